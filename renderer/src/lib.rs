@@ -1,1 +1,13 @@
-//! .
+//! How light moves: one scene, two renderers. A wgpu preview and a progressive CPU path tracer share camera, material
+//! interpretation, lobes and display transform.
+//!
+//! Lobes are plain functions over [`lanes::Lanes`]; their WGSL twins lie beside them. Rendering never changes a document.
+
+pub mod bsdf;
+pub mod lanes;
+pub mod scene;
+pub mod tonemap;
+pub mod vector;
+
+pub use scene::{Camera, CameraBasis, EnvironmentLight, ModelMeshes, Object, Scene, TextureSet};
+pub use tonemap::{Display, DisplayTransform};

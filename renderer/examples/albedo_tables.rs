@@ -1,0 +1,92 @@
+//! Writes `renderer/src/bsdf/albedo.bin` from the lobes themselves, in double precision.
+//!
+//! Midpoint quadrature over the sampling square of each lobe: exact to about 1e-5, a fraction of what 16-bit entries hold.
+
+use burnish_renderer::bsdf::fresnel::fresnel;
+use burnish_renderer::bsdf::ggx::{reflect, smith_length, vndf_sample};
+use burnish_renderer::bsdf::sheen::{SHEEN_ROUGHNESS_MIN, sheen_eval, sheen_sample};
+use burnish_renderer::bsdf::tables::{CONTRASTS, COSINES, ROUGHNESSES};
+use burnish_renderer::vector::V3;
+use std::io::Write;
+use std::path::Path;
+
+/// Grid of the quadrature: over the polar number and over half of the azimuth, which mirror symmetry doubles.
+const POLAR: usize = 128;
+const AZIMUTH: usize = 64;
+
+fn direction(mu: f64) -> V3<f64> {
+    V3::new((1.0 - mu * mu).max(0.0).sqrt(), 0.0, mu)
+}
+
+fn mean(f: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..POLAR {
+        for j in 0..AZIMUTH {
+            sum += f((i as f64 + 0.5) / POLAR as f64, 0.5 * (j as f64 + 0.5) / AZIMUTH as f64);
+        }
+    }
+    sum / (POLAR * AZIMUTH) as f64
+}
+
+fn dielectric(eta: f64, roughness: f64, mu: f64) -> f64 {
+    let alpha = roughness * roughness;
+    if alpha < 1e-4 {
+        return fresnel(mu, eta);
+    }
+    let wo = direction(mu.max(1e-5));
+    let length_o = smith_length(wo, alpha, alpha);
+    mean(|u0, u1| {
+        let m = vndf_sample(wo, alpha, alpha, 1.0, u0, u1);
+        let wi = reflect(wo, m);
+        if wi.z <= 0.0 {
+            return 0.0;
+        }
+        let length_i = smith_length(wi, alpha, alpha);
+        fresnel(wo.dot(m).clamp(0.0, 1.0), eta) * wi.z * (wo.z + length_o) / (wi.z * length_o + wo.z * length_i)
+    })
+}
+
+fn sheen(r: f64, mu: f64) -> f64 {
+    let r = r.max(SHEEN_ROUGHNESS_MIN);
+    let wo = direction(mu.max(1e-5));
+    mean(|u0, u1| {
+        let wi = sheen_sample(wo, r, u0, u1);
+        if wi.z <= 0.0 {
+            return 0.0;
+        }
+        let (value, pdf) = sheen_eval(wo, wi, r);
+        value / pdf
+    })
+}
+
+fn main() -> std::io::Result<()> {
+    let unit = |i: usize, n: usize| i as f64 / (n - 1) as f64;
+    let rows: Vec<(usize, usize, usize)> =
+        (0..2).flat_map(|h| (0..CONTRASTS).flat_map(move |x| (0..ROUGHNESSES).map(move |r| (h, x, r)))).collect();
+    let half = rows.len().div_ceil(2);
+    let mut values: Vec<f64> = std::thread::scope(|scope| {
+        let tasks: Vec<_> = rows
+            .chunks(half)
+            .map(|rows| {
+                scope.spawn(move || {
+                    let of = |&(h, x, r): &(usize, usize, usize)| {
+                        let x = unit(x, CONTRASTS).min(1.0 - 1e-7);
+                        let eta = if h == 0 { (1.0 + x) / (1.0 - x) } else { (1.0 - x) / (1.0 + x) };
+                        (0..COSINES).map(move |t| dielectric(eta, unit(r, ROUGHNESSES), unit(t, COSINES).powi(2)))
+                    };
+                    rows.iter().flat_map(of).collect::<Vec<f64>>()
+                })
+            })
+            .collect();
+        tasks.into_iter().flat_map(|task| task.join().unwrap_or_default()).collect()
+    });
+    for r in 0..ROUGHNESSES {
+        values.extend((0..COSINES).map(|t| sheen(unit(r, ROUGHNESSES), unit(t, COSINES).powi(2))));
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/bsdf/albedo.bin");
+    let mut file = std::fs::File::create(path)?;
+    for value in values {
+        file.write_all(&((value.clamp(0.0, 1.0) * 65535.0).round() as u16).to_le_bytes())?;
+    }
+    Ok(())
+}

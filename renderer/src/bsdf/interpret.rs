@@ -1,0 +1,176 @@
+//! What the properties mean: inputs at one point to the numbers that the lobes use. Twin of `interpret.wgsl`.
+
+use super::fresnel::{f0_from_ior, f82_coefficient, ior_from_f0, level_to_ior};
+use super::ggx::alphas;
+use super::sheen::SHEEN_ROUGHNESS_MIN;
+use crate::lanes::Lanes;
+use crate::vector::Rgb;
+use burnish_material::{Inputs, Lobe, LobeSet};
+use std::f64::consts::PI;
+
+/// Smallest absorption colour: caps the optical depth at 6.9 per absorption distance. Model reference 10.1.
+const ABSORPTION_COLOR_MIN: f64 = 1e-3;
+/// Smallest length in scene units. Model reference 10.2.
+const LENGTH_MIN: f64 = 1e-6;
+
+/// Everything that the lobes and the integrator need at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct Optics<L: Lanes> {
+    /// Diffuse albedo; reflectance of metal at normal incidence. `[0, 1]`.
+    pub base_color: Rgb<L>,
+    /// Tint of dielectric reflections from outside. `[0, 1]`.
+    pub edge_color: Rgb<L>,
+    /// Coefficient of the F82-tint curve.
+    pub f82: Rgb<L>,
+    /// Share of metal. The three shares sum to 1.
+    pub w_metal: L,
+    /// Share of the opaque dielectric.
+    pub w_diffuse: L,
+    /// Share of the refracting dielectric.
+    pub w_transmission: L,
+    /// Roughness as authored, `[0, 1]`: the axis of the albedo tables.
+    pub roughness: L,
+    /// GGX alpha along the stretch.
+    pub alpha_x: L,
+    /// GGX alpha across the stretch.
+    pub alpha_y: L,
+    /// Cosine of the rotation of the stretch from the tangent.
+    pub rotation_cos: L,
+    /// Sine of the rotation of the stretch from the tangent.
+    pub rotation_sin: L,
+    /// The base is a perfect mirror.
+    pub is_smooth: L::Mask,
+    /// Index of refraction for bending, relative to the exterior; level included, coat not.
+    pub eta: L,
+    /// Index of refraction for the Fresnel reflectance from outside; level and coat included.
+    pub eta_specular: L,
+    /// Refraction passes straight through.
+    pub is_matched: L::Mask,
+    /// Amount of sheen, `[0, 1]`.
+    pub sheen: L,
+    /// Tint of the sheen.
+    pub sheen_color: Rgb<L>,
+    /// Roughness of the sheen, at least 1e-3.
+    pub sheen_roughness: L,
+    /// Presence of the coat, `[0, 1]`.
+    pub coat: L,
+    /// Logarithm of the coat's tint, presence included.
+    pub coat_ln_tint: Rgb<L>,
+    /// Roughness of the coat as authored.
+    pub coat_roughness: L,
+    /// GGX alpha of the coat.
+    pub coat_alpha: L,
+    /// The coat is a perfect mirror.
+    pub coat_is_smooth: L::Mask,
+    /// Index of refraction of the coat, level included.
+    pub coat_eta: L,
+    /// Factor on light at each refractive crossing (modulative absorption), else 1.
+    pub transmission_tint: Rgb<L>,
+    /// Absorption in the body, 1/scene unit.
+    pub sigma_a: Rgb<L>,
+    /// Emitted radiance of the front side.
+    pub emission: Rgb<L>,
+    /// Cut-through opacity.
+    pub opacity: L,
+}
+
+/// Meaning of the inputs. `length_scale` is scene units per unit of the material's lengths.
+///
+/// Inputs may lie outside their hard ranges (textures): they are clamped here. Lobes that are not in `lobes` are not computed;
+/// their fields hold what leaves them without effect.
+#[inline(always)]
+pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) -> Optics<L> {
+    let one = L::one();
+    let white = Rgb::white();
+    let sat = |c: [L; 3]| Rgb(c.map(L::sat));
+    let base_color = sat(inputs.base_color);
+    let edge_color = sat(inputs.specular_edge_color);
+
+    // Metal covers everything dielectric; translucency divides the rest (specification, "Metal and dielectric").
+    let w_metal = if lobes.has(Lobe::metal) { inputs.metallic.sat() } else { L::zero() };
+    let translucency = if lobes.has(Lobe::transmission) { inputs.translucency.sat() } else { L::zero() };
+    let w_transmission = (one - w_metal) * translucency;
+    let w_diffuse = (one - w_metal) * (one - translucency);
+
+    let roughness = inputs.roughness.sat();
+    let anisotropy = if lobes.has(Lobe::anisotropy) { inputs.anisotropy.sat() } else { L::zero() };
+    let (alpha_x, alpha_y, is_smooth) = alphas(roughness, anisotropy);
+    let (rotation_sin, rotation_cos) = if lobes.has(Lobe::anisotropy) {
+        (L::of(2.0 * PI) * inputs.anisotropy_rotation).sin_cos()
+    } else {
+        (L::zero(), one)
+    };
+
+    let coat = if lobes.has(Lobe::coat) { inputs.coat.sat() } else { L::zero() };
+    let ior = inputs.specular_ior.max(L::of(1e-3));
+    let level = inputs.specular_level.sat();
+    let eta = level_to_ior(ior, level);
+    let coat_ior = inputs.coat_ior.max(L::of(1e-3));
+    let eta_specular = if lobes.has(Lobe::coat) {
+        // The base sees the coat as its surroundings. Blending reflectances keeps the ratio above 1, so no false total
+        // reflection appears where the coat is the denser medium (model reference 8.2).
+        let f0 = f0_from_ior(ior).lerp(f0_from_ior(ior / coat_ior), coat) * L::of(2.0) * level;
+        L::select(coat.gt(L::zero()), ior_from_f0(f0), eta)
+    } else {
+        eta
+    };
+    let is_matched = eta.eq(one);
+    // A half vector needs some contrast: nearly matched media are moved to the smallest that single precision holds.
+    let contrast = (eta - one).abs();
+    let eta_apart = L::select(eta.lt(one), L::of(1.0 - 1e-4), L::of(1.0 + 1e-4));
+    let eta = L::select(contrast.lt(L::of(1e-4)) & !is_matched, eta_apart, eta);
+
+    let coat_tint = Rgb(inputs.coat_color.map(|c| one.lerp(c.sat(), coat)));
+    let coat_roughness = inputs.coat_roughness.sat();
+    let (coat_alpha, _, coat_is_smooth) = alphas(coat_roughness, L::zero());
+
+    let (transmission_tint, sigma_a) = if lobes.has(Lobe::absorption) {
+        let color = sat(inputs.absorption_color);
+        let distance = inputs.absorption_distance.max(L::zero()) * length_scale;
+        let is_modulative = inputs.absorption_distance.le(L::zero());
+        let sigma = color.map(|c| {
+            let ln = c.max(L::of(ABSORPTION_COLOR_MIN)).ln();
+            L::select(is_modulative, L::zero(), (-ln / distance.max(L::of(LENGTH_MIN))).max(L::zero()))
+        });
+        (color.map(|c| L::select(is_modulative, c.sqrt(), one)), sigma)
+    } else {
+        (white, Rgb::black())
+    };
+
+    let emission = if lobes.has(Lobe::emission) {
+        Rgb(inputs.emission_color.map(|c| c.max(L::zero()))).scale(inputs.emission.max(L::zero()))
+    } else {
+        Rgb::black()
+    };
+
+    Optics {
+        base_color,
+        edge_color,
+        f82: base_color.zip(edge_color, f82_coefficient),
+        w_metal,
+        w_diffuse,
+        w_transmission,
+        roughness,
+        alpha_x,
+        alpha_y,
+        rotation_cos,
+        rotation_sin,
+        is_smooth,
+        eta,
+        eta_specular,
+        is_matched,
+        sheen: if lobes.has(Lobe::sheen) { inputs.sheen.sat() } else { L::zero() },
+        sheen_color: sat(inputs.sheen_color),
+        sheen_roughness: inputs.sheen_roughness.sat().max(L::of(SHEEN_ROUGHNESS_MIN)),
+        coat,
+        coat_ln_tint: coat_tint.map(|t| t.max(L::of(1e-6)).ln()),
+        coat_roughness,
+        coat_alpha,
+        coat_is_smooth,
+        coat_eta: level_to_ior(coat_ior, inputs.coat_specular_level.sat()),
+        transmission_tint,
+        sigma_a,
+        emission,
+        opacity: if lobes.has(Lobe::opacity) { inputs.opacity.sat() } else { one },
+    }
+}
