@@ -1,1 +1,20 @@
-//! .
+//! The window of Burnish and its command line: a material editor for the Adobe Standard Material 4.0.
+//!
+//! One edit goes in a straight line: a widget changes the document in place; after the panels the material is compared
+//! with the one last sent, and if it differs, the history, the preview and the final view are told, in that order.
+
+pub mod app;
+pub mod cli;
+pub mod command;
+pub mod dialogs;
+pub mod editor;
+pub mod export;
+pub mod files;
+pub mod history;
+pub mod live_final;
+pub mod live_preview;
+pub mod loading;
+pub mod panels;
+pub mod scene_file;
+pub mod theme;
+pub mod widgets;

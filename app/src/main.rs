@@ -1,1 +1,5 @@
-fn main() {}
+//! Start; nothing else.
+
+fn main() -> std::process::ExitCode {
+    burnish::cli::main()
+}

@@ -2,14 +2,22 @@
 //!
 //! This crate opens no files, starts no threads and knows neither a window nor a GPU: text in, text out.
 
+mod check;
+mod file;
 mod lobes;
 mod material;
 mod properties;
+mod reference;
 mod slot;
 mod value;
+mod wgsl;
 
-pub use lobes::{LOBES, Lobe, LobeDef, LobeSet};
+pub use check::{Finding, Severity, check, has_errors};
+pub use file::{ASM_VERSION, FileError, MAX_FILE_BYTES, MaterialFile, Unreadable, ValueSource, Warning};
+pub use lobes::{LOBES, Lobe, LobeDef, LobeSet, idle_lobe};
 pub use material::{DEFAULT_UNIT_MM, Material, Provenance};
 pub use properties::{Inputs, PROPERTIES, PROPERTY_COUNT, Property};
+pub use reference::reference_page;
 pub use slot::{Channel, ColorSpace, Slot, TextureRef, Wrap};
 pub use value::{Group, Kind, LimitKind, Limits, PropertyDef, Unit, Value, Vary};
+pub use wgsl::{ASM_MATERIAL_WGSL, inputs_wgsl};

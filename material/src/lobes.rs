@@ -4,6 +4,7 @@
 
 use crate::material::Material;
 use crate::properties::Property;
+use crate::value::Value;
 
 macro_rules! lobes {
     ($( $(#[doc = $doc:literal])+ $name:ident, $switch:literal, [$($property:ident),* $(,)?], $active:expr; )+) => {
@@ -69,7 +70,7 @@ lobes! {
     /// Metallic reflection; out while metallic is 0.
     metal, "HAS_METAL", [], |m| above(m, Property::metallic, 0.0);
     /// Reflection of the dielectric; out when fully metallic, or without a contrast of refraction.
-    specular, "HAS_SPECULAR", [specular_level, specular_ior], |m| {
+    specular, "HAS_SPECULAR", [specular_level], |m| {
         is_dielectric(m) && above(m, Property::specular_level, 0.0) && (m.float(Property::specular_ior) != 1.0 || above(m, Property::coat, 0.0))
     };
     /// Diffuse reflection; out when fully metallic or fully translucent.
@@ -164,4 +165,40 @@ impl LobeSet {
     pub fn names(self, is_in: bool) -> Vec<&'static str> {
         LOBES.iter().filter(|def| self.has(def.lobe) == is_in).map(|def| def.name).collect()
     }
+}
+
+/// Lobes through which a property acts; without all of them it has no effect. Empty: it acts through none in particular.
+fn acts_through(property: Property) -> Vec<Lobe> {
+    match property {
+        Property::base_color => vec![Lobe::metal, Lobe::diffuse],
+        Property::specular_edge_color => vec![Lobe::metal, Lobe::specular],
+        Property::specular_ior => vec![Lobe::specular, Lobe::transmission],
+        Property::translucency => vec![Lobe::transmission],
+        Property::normal | Property::normal_scale => vec![Lobe::normal_map],
+        Property::coat_normal | Property::coat_normal_scale => vec![Lobe::coat_normal_map],
+        Property::anisotropy => vec![Lobe::anisotropy],
+        Property::dispersion => vec![Lobe::dispersion],
+        Property::absorption_color | Property::absorption_distance => vec![Lobe::absorption],
+        Property::scatter => vec![Lobe::scattering],
+        _ => LOBES.iter().filter(|def| def.properties.contains(&property)).map(|def| def.lobe).collect(),
+    }
+}
+
+/// The lobe whose absence leaves `property` without effect, whatever its value; `None` if changing it can show.
+///
+/// This differs from [`LobeDef::properties`] in one respect: a property that would itself bring its lobe in
+/// (`dispersion` in a glass, `normal_scale` beside a normal map) is not idle.
+pub fn idle_lobe(material: &Material, property: Property) -> Option<&'static LobeDef> {
+    let through = acts_through(property);
+    let first = *through.first()?;
+    let mut probe = material.clone();
+    let def = property.def();
+    probe.slot_mut(property).texture = Some(crate::TextureRef::new("any"));
+    match def.default {
+        Value::Float(_) => _ = probe.set(property, Value::Float(def.limits.slider_max)),
+        Value::Bool(_) => _ = probe.set(property, Value::Bool(true)),
+        Value::Color(_) | Value::Normal(_) => {}
+    }
+    let lobes = LobeSet::of(&probe);
+    if through.iter().any(|lobe| lobes.has(*lobe)) { None } else { Some(first.def()) }
 }

@@ -6,17 +6,33 @@
 use crate::value::{FromValue, Group, Limits, PropertyDef, Unit, Value, Vary};
 
 macro_rules! field_type {
-    (Color, $t:ty) => { [$t; 3] };
-    (Normal, $t:ty) => { [$t; 3] };
-    (Float, $t:ty) => { $t };
-    (Bool, $t:ty) => { bool };
+    (Color, $t:ty) => {
+        [$t; 3]
+    };
+    (Normal, $t:ty) => {
+        [$t; 3]
+    };
+    (Float, $t:ty) => {
+        $t
+    };
+    (Bool, $t:ty) => {
+        bool
+    };
 }
 
 macro_rules! convert_field {
-    (Color, $v:expr, $f:expr) => { $v.map($f) };
-    (Normal, $v:expr, $f:expr) => { $v.map($f) };
-    (Float, $v:expr, $f:expr) => { ($f)($v) };
-    (Bool, $v:expr, $f:expr) => { $v };
+    (Color, $v:expr, $f:expr) => {
+        $v.map($f)
+    };
+    (Normal, $v:expr, $f:expr) => {
+        $v.map($f)
+    };
+    (Float, $v:expr, $f:expr) => {
+        ($f)($v)
+    };
+    (Bool, $v:expr, $f:expr) => {
+        $v
+    };
 }
 
 macro_rules! asm_properties {

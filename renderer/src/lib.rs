@@ -4,10 +4,14 @@
 //! Lobes are plain functions over [`lanes::Lanes`]; their WGSL twins lie beside them. Rendering never changes a document.
 
 pub mod bsdf;
+pub mod bvh;
 pub mod lanes;
+pub mod path;
+pub mod preview;
 pub mod scene;
 pub mod tonemap;
 pub mod vector;
+pub mod worker;
 
 pub use scene::{Camera, CameraBasis, EnvironmentLight, ModelMeshes, Object, Scene, TextureSet};
 pub use tonemap::{Display, DisplayTransform};

@@ -1,1 +1,4 @@
-//! .
+//! What several tests need: cases, quadrature, statistics, the GPU.
+
+pub mod materials;
+pub mod quadrature;

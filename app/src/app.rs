@@ -1,0 +1,439 @@
+//! The window: one frame, in order. What commands do is in `app/actions.rs`.
+
+mod actions;
+mod screenshot;
+
+use crate::command::{Command, Menu};
+use crate::dialogs::{Dialogs, SystemDialogs};
+use crate::editor::{Document, Editor, ViewMode};
+use crate::history::History;
+use crate::live_final::LiveFinal;
+use crate::live_preview::LivePreview;
+use crate::loading::{Job, Loader};
+use crate::panels::messages::Messages;
+use crate::panels::presets::PresetPanel;
+use crate::panels::properties::PropertyPanel;
+use crate::panels::viewport::{self, Layout, Picture, Wish};
+use crate::panels::status::{self, Status};
+use crate::theme;
+use crate::widgets::value_edit::RowAction;
+use burnish_assets::{ENVIRONMENTS, Environment, SHAPES};
+use burnish_material::LobeSet;
+use burnish_renderer::scene::ModelMeshes;
+use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use screenshot::Screenshot;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What waits for an answer about unsaved changes.
+#[derive(Clone, Debug, PartialEq)]
+enum After {
+    New,
+    AskOpen,
+    Open(PathBuf),
+    Close,
+}
+
+/// What both renderers were told last.
+struct Sent {
+    document: Document,
+    model: Arc<ModelMeshes>,
+    environment: Arc<Environment>,
+    camera: burnish_renderer::scene::Camera,
+    environment_deg: f32,
+    /// Size of the final picture and whether it is wanted.
+    final_size: Option<(usize, usize)>,
+}
+
+/// The application.
+pub struct App {
+    editor: Editor,
+    history: History,
+    messages: Messages,
+    presets: PresetPanel,
+    properties: PropertyPanel,
+    loader: Loader,
+    dialogs: Box<dyn Dialogs>,
+    preview: LivePreview,
+    final_view: Option<LiveFinal>,
+    sent: Option<Sent>,
+    /// Size of one picture in pixels, from the last frame.
+    picture_size: (usize, usize),
+    /// What the question about unsaved changes is for.
+    asking: Option<After>,
+    /// What goes on once the document is saved.
+    after_save: Option<After>,
+    is_closing: bool,
+    title: String,
+    screenshot: Option<Screenshot>,
+    written: std::sync::mpsc::Receiver<Result<String, String>>,
+    writer: std::sync::mpsc::Sender<Result<String, String>>,
+}
+
+impl App {
+    /// An application in this context, with the preview on its device if it has one.
+    pub fn new(ctx: &egui::Context, render_state: Option<&egui_wgpu::RenderState>, dialogs: Box<dyn Dialogs>) -> Self {
+        theme::apply(ctx);
+        let preview = LivePreview::new(render_state);
+        let mut editor = Editor::new();
+        if preview.problem().is_some() {
+            editor.view.mode = ViewMode::Final;
+        }
+        let history = History::new(&editor.document);
+        let mut loader = Loader::default();
+        if let Some(shape) = SHAPES.first() {
+            loader.start(Job::Shape(shape.name), ctx);
+        }
+        if let Some(environment) = ENVIRONMENTS.first() {
+            loader.start(Job::BuiltInEnvironment(environment.name), ctx);
+        }
+        let (writer, written) = std::sync::mpsc::channel();
+        let mut messages = Messages::default();
+        messages.info("Ready. Choose a preset, or drop a material, a mesh or an environment.");
+        Self {
+            editor,
+            history,
+            messages,
+            presets: PresetPanel::default(),
+            properties: PropertyPanel::default(),
+            loader,
+            dialogs,
+            preview,
+            final_view: None,
+            sent: None,
+            picture_size: (0, 0),
+            asking: None,
+            after_save: None,
+            is_closing: false,
+            title: String::new(),
+            screenshot: None,
+            written,
+            writer,
+        }
+    }
+
+    /// The document and the view settings.
+    pub fn editor(&self) -> &Editor {
+        &self.editor
+    }
+
+    /// The same, for tests and for what opens the window.
+    pub fn editor_mut(&mut self) -> &mut Editor {
+        &mut self.editor
+    }
+
+    /// The steps made so far.
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// What the user was told.
+    pub fn messages(&self) -> &Messages {
+        &self.messages
+    }
+
+    /// Whether something is being loaded.
+    pub fn is_loading(&self) -> bool {
+        self.loader.is_busy()
+    }
+
+    /// Switches the final view's worker off, where only panels are of interest.
+    pub fn without_final_view(mut self) -> Self {
+        self.editor.view.mode = ViewMode::Preview;
+        self
+    }
+
+    /// One frame.
+    pub fn frame(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.collect(&ctx);
+        for command in Command::pressed(&ctx) {
+            self.carry_out(command, &ctx);
+        }
+        self.panels(ui);
+        self.ask_about_unsaved(&ctx);
+        self.take_drops(&ctx);
+        self.mind_the_window(&ctx);
+        self.mind_the_screenshot(&ctx);
+    }
+
+    fn panels(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        let bar = |margin| Frame::new().fill(theme::BAR).inner_margin(margin);
+        Panel::top("menu").frame(bar(Margin::symmetric(6, 3))).show(ui, |ui| self.menu_bar(ui));
+        Panel::bottom("status").exact_size(25.0).frame(bar(Margin::symmetric(9, 0))).show(ui, |ui| {
+            status::show(ui, &self.status());
+        });
+        let side = Frame::new().fill(theme::PANEL).inner_margin(Margin { left: 9, right: 3, top: 4, bottom: 0 });
+        if self.editor.view.are_panels_shown {
+            let panel = Panel::left("presets").default_size(206.0).size_range(150.0..=320.0).frame(side);
+            let name = self.editor.document.file().material().name.clone();
+            if let Some(preset) = panel.show(ui, |ui| self.presets.show(ui, &name)).inner {
+                self.load_preset(preset);
+            }
+            let panel = Panel::right("properties").default_size(384.0).size_range(340.0..=560.0).frame(side);
+            let action = panel.show(ui, |ui| self.properties.show(ui, &mut self.editor.document)).inner;
+            if let Some(RowAction::ChooseMap(property)) = action {
+                self.ask_for_map(property, &ctx);
+            }
+        }
+        Panel::top("toolbar").frame(bar(Margin::symmetric(8, 4))).show(ui, |ui| {
+            match viewport::toolbar(ui, &mut self.editor, self.preview.problem().is_none()) {
+                Some(Wish::Command(command)) => self.carry_out(command, &ctx),
+                Some(Wish::Load(job)) => self.loader.start(job, &ctx),
+                None => {}
+            }
+        });
+        Panel::bottom("lobes").frame(bar(Margin::symmetric(8, 5))).show(ui, |ui| {
+            status::lobe_strip(ui, LobeSet::of(&self.editor.document.material));
+        });
+        CentralPanel::no_frame().show(ui, |ui| {
+            let (_, layout) = viewport::interact(ui, &mut self.editor);
+            let scale = ctx.pixels_per_point();
+            let size = (layout.picture_size() * scale).round();
+            self.picture_size = ((size.x as usize).clamp(16, 8192), (size.y as usize).clamp(16, 8192));
+            self.sync(&ctx);
+            self.pictures(ui, layout);
+            self.messages.show(ui, layout.all);
+        });
+    }
+
+    /// The one place where edits leave the document: history, preview and final view are told, in this order.
+    fn sync(&mut self, ctx: &egui::Context) {
+        let wants_final = self.editor.view.mode.has_final();
+        if let (Some(model), Some(environment)) = (self.editor.model.clone(), self.editor.environment.clone()) {
+            let now = Sent {
+                document: self.editor.document.clone(),
+                model,
+                environment,
+                camera: self.editor.view.orbit.camera(),
+                environment_deg: self.editor.view.environment_deg,
+                final_size: wants_final.then_some(self.picture_size),
+            };
+            let (is_edited, is_changed, is_resized) = match &self.sent {
+                Some(sent) => (sent.document.material != now.document.material, !now.is_same_scene(sent), now.final_size != sent.final_size),
+                None => (true, true, true),
+            };
+            if is_edited || is_changed || is_resized {
+                if let Some(scene) = self.editor.scene().map(Arc::new) {
+                    if is_edited {
+                        self.history.feed(&self.editor.document);
+                    }
+                    if is_changed {
+                        self.preview.set_scene(&scene);
+                    }
+                    if wants_final {
+                        let view = self.final_view.get_or_insert_with(|| LiveFinal::new(ctx));
+                        view.request(scene, self.picture_size, &self.editor.view);
+                    }
+                }
+                if !wants_final && let Some(view) = &mut self.final_view {
+                    view.pause();
+                }
+                self.sent = Some(now);
+            }
+        } else if self.history_differs() {
+            // The first scene is still being made: nothing is drawn yet, but nothing is lost either.
+            self.history.feed(&self.editor.document);
+        }
+
+        // A gesture ends when the mouse is up and no text is being typed.
+        let is_resting = !ctx.input(|i| i.pointer.any_down()) && !ctx.text_edit_focused();
+        if is_resting {
+            self.history.settle();
+        }
+    }
+
+    fn history_differs(&self) -> bool {
+        !self.history.holds(&self.editor.document)
+    }
+
+    fn pictures(&mut self, ui: &mut Ui, layout: Layout) {
+        let ctx = ui.ctx().clone();
+        let display = self.editor.view.display;
+        let is_both = layout.preview.is_some() && layout.final_view.is_some();
+        let loading = self.editor.model.is_none() || self.editor.environment.is_none();
+        if let Some(rect) = layout.preview {
+            let size = (self.picture_size.0 as u32, self.picture_size.1 as u32);
+            let texture = if loading { None } else { self.preview.draw(size, display) };
+            if self.preview.is_refining() {
+                ctx.request_repaint();
+            }
+            let picture = Picture { texture, name: "Preview", note: String::new(), problem: self.preview.problem() };
+            if viewport::paint(ui, rect, &picture, is_both) {
+                self.carry_out(Command::ShowFinal, &ctx);
+            }
+        }
+        if let (Some(rect), Some(view)) = (layout.final_view, &mut self.final_view) {
+            view.update(&ctx, display);
+            let texture = view.texture().map(|texture| texture.id());
+            viewport::paint(ui, rect, &Picture { texture, name: "Final", note: String::new(), problem: None }, is_both);
+            if self.editor.view.is_chart_shown
+                && let Some(snapshot) = view.current()
+            {
+                viewport::paint_chart(ui, rect, &snapshot.history, self.editor.view.stop.relmse);
+            }
+        } else if let Some(rect) = layout.final_view {
+            viewport::paint(ui, rect, &Picture { texture: None, name: "Final", note: String::new(), problem: None }, is_both);
+        }
+    }
+
+    fn status(&self) -> Status {
+        let (width, height) = self.picture_size;
+        let goal = self.editor.view.stop.relmse;
+        let adapter = self.preview.adapter().unwrap_or_default();
+        let preview = format!("Preview {width} × {height}");
+        let (picture, details) = match (self.editor.view.mode.has_final(), self.final_view.as_ref().and_then(LiveFinal::current)) {
+            (true, Some(snapshot)) => {
+                let first = format!("First image after {:.0} ms.", 1000.0 * snapshot.first_image_seconds);
+                (
+                    format!("Final   {}", status::final_text(snapshot, goal)),
+                    format!(
+                        "Final view, {width} × {height}\n{first}\nThe error is estimated from the picture itself: the square root of the mean \
+                         squared relative error, with its likely spread.\nIt stops at the first of: {}.",
+                        stop_text(&self.editor.view.stop)
+                    ),
+                )
+            }
+            (true, None) => ("Final   starting…".into(), String::new()),
+            (false, _) => {
+                let state = if self.preview.is_refining() { "refining" } else { "" };
+                (format!("{preview}   {state}"), format!("{preview} on {adapter}\nThe final view is paused; press \\ to see it."))
+            }
+        };
+        Status { loading: self.loader.text(), info: self.messages.last_info().to_owned(), picture, details }
+    }
+
+    fn menu_bar(&mut self, ui: &mut Ui) {
+        egui::MenuBar::new().ui(ui, |ui| {
+            for (menu, title) in Menu::ALL {
+                ui.menu_button(title, |ui| {
+                    ui.set_min_width(230.0);
+                    for command in Command::ALL.into_iter().filter(|command| command.menu() == menu) {
+                        if command.starts_section() {
+                            ui.separator();
+                        }
+                        self.menu_item(ui, command);
+                    }
+                    if menu == Menu::Edit {
+                        ui.separator();
+                        self.history_menu(ui);
+                    }
+                });
+            }
+            let document = &self.editor.document;
+            let place = document.path().map_or_else(|| "not saved yet".into(), |path| path.display().to_string());
+            let mark = if document.is_modified() { " •" } else { "" };
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let text = egui::RichText::new(format!("{}{mark}", document.title())).color(theme::TEXT);
+                ui.add(egui::Label::new(text).truncate().selectable(false)).on_hover_text(place);
+            });
+        });
+    }
+
+    fn menu_item(&mut self, ui: &mut Ui, command: Command) {
+        let mut text = command.text().to_owned();
+        match command {
+            Command::Undo => text = self.history.undo_label().map_or(text.clone(), |label| format!("{text}  {label}")),
+            Command::Redo => text = self.history.redo_label().map_or(text.clone(), |label| format!("{text}  {label}")),
+            _ => {}
+        }
+        let keys = command.shortcuts().first().map_or_else(String::new, |keys| ui.ctx().format_shortcut(keys));
+        let button = egui::Button::new(text).shortcut_text(keys);
+        let response = ui.add_enabled(self.is_possible(command), button).on_hover_text(command.tooltip());
+        if response.clicked() {
+            let ctx = ui.ctx().clone();
+            self.carry_out(command, &ctx);
+            ui.close();
+        }
+    }
+
+    fn history_menu(&mut self, ui: &mut Ui) {
+        ui.menu_button("History", |ui| {
+            ui.set_min_width(240.0);
+            let labels: Vec<(String, bool)> = self.history.labels().map(|(label, is_now)| (label.to_owned(), is_now)).collect();
+            egui::ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
+                for (index, (label, is_now)) in labels.iter().enumerate().rev() {
+                    if ui.add(egui::Button::selectable(*is_now, label.as_str())).clicked() {
+                        if let Some(document) = self.history.go_to(index) {
+                            self.editor.document = document;
+                        }
+                        ui.close();
+                    }
+                }
+            });
+        });
+    }
+}
+
+impl Sent {
+    fn is_same_scene(&self, other: &Self) -> bool {
+        self.document.material == other.document.material
+            && Arc::ptr_eq(&self.document.textures, &other.document.textures)
+            && Arc::ptr_eq(&self.model, &other.model)
+            && Arc::ptr_eq(&self.environment, &other.environment)
+            && self.camera == other.camera
+            && self.environment_deg == other.environment_deg
+    }
+}
+
+fn stop_text(stop: &burnish_renderer::path::StopRules) -> String {
+    let mut rules = Vec::new();
+    rules.extend(stop.relmse.map(|e| format!("{} % error", crate::widgets::number::format(100.0 * e.sqrt(), 2))));
+    rules.extend(stop.spp.map(|spp| format!("{spp} samples per pixel")));
+    rules.extend(stop.seconds.map(|s| format!("{s} seconds")));
+    rules.join(", ")
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.frame(ui);
+    }
+}
+
+/// Opens the window on these files: materials, meshes and environments, told apart by their endings.
+///
+/// With `screenshot`, the window writes a picture of itself there as soon as its content stands, and closes.
+/// An error means that the window could not be opened, which on a machine without any graphics adapter is expected.
+pub fn run(files: Vec<PathBuf>, screenshot: Option<PathBuf>) -> Result<(), eframe::Error> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("Burnish")
+        .with_app_id("burnish")
+        .with_inner_size([1280.0, 800.0])
+        .with_min_inner_size([860.0, 520.0])
+        .with_icon(icon())
+        .with_drag_and_drop(true);
+    let mut setup = egui_wgpu::WgpuSetupCreateNew::without_display_handle();
+    setup.device_descriptor = Arc::new(burnish_renderer::preview::device_descriptor);
+    let wgpu_options = egui_wgpu::WgpuConfiguration { wgpu_setup: setup.into(), ..Default::default() };
+    let options = eframe::NativeOptions { viewport, wgpu_options, dithering: false, ..Default::default() };
+    eframe::run_native(
+        "Burnish",
+        options,
+        Box::new(move |cc| {
+            let mut app = App::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), Box::new(SystemDialogs::default()));
+            for file in files {
+                app.load_path(&file, &cc.egui_ctx);
+            }
+            app.screenshot = screenshot.map(Screenshot::new);
+            Ok(Box::new(app))
+        }),
+    )
+}
+
+/// A lit ball, drawn by formula so that no binary stands in the source.
+fn icon() -> egui::IconData {
+    const SIZE: u32 = 64;
+    let mut rgba = Vec::with_capacity((SIZE * SIZE * 4) as usize);
+    for i in 0..SIZE * SIZE {
+        let (x, y) = ((i % SIZE) as f32 - 31.5, (i / SIZE) as f32 - 31.5);
+        let r2 = (x * x + y * y) / (30.0 * 30.0);
+        let z = (1.0 - r2).max(0.0).sqrt();
+        let light = ((-0.5 * x - 0.6 * y) / 30.0 + 0.62 * z).clamp(0.05, 1.0);
+        let glint = light.powi(24);
+        let alpha = ((1.0 - r2) * 24.0).clamp(0.0, 1.0);
+        let shade = |c: f32| (255.0 * (c * light + glint).min(1.0)) as u8;
+        rgba.extend([shade(0.95), shade(0.66), shade(0.32), (255.0 * alpha) as u8]);
+    }
+    egui::IconData { rgba, width: SIZE, height: SIZE }
+}

@@ -1,0 +1,121 @@
+//! `MATERIAL` on the command line: a path to a material file, or `preset:NAME`.
+
+use super::{CliError, Messages, suggest};
+use crate::files::{self, FilesError};
+use burnish_material::{Material, MaterialFile, Warning};
+use burnish_renderer::scene::TextureSet;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Endings of files that hold materials in other formats, which a later version reads.
+const LATER_ENDINGS: &[&str] = &["gltf", "glb", "mtlx", "usd", "usda", "usdc", "usdz", "mdl", "sbsar"];
+
+/// A material that can be rendered, with the images it names.
+#[derive(Clone, Debug, Default)]
+pub struct LoadedMaterial {
+    /// The values, none of them refused.
+    pub material: Arc<Material>,
+    /// Images by the path that the material names.
+    pub textures: Arc<TextureSet>,
+}
+
+/// The name in `preset:NAME`; `None` for a path.
+pub fn preset_name(text: &str) -> Option<&str> {
+    let (prefix, name) = text.split_once(':')?;
+    prefix.eq_ignore_ascii_case("preset").then_some(name)
+}
+
+/// The preset of that name in any case.
+pub fn find_preset(name: &str) -> Result<&'static burnish_presets::Preset, CliError> {
+    burnish_presets::find(name).ok_or_else(|| {
+        let known = burnish_presets::presets().iter().flat_map(|preset| [preset.name, preset.file_stem]);
+        let hint = suggest::hint(name, known);
+        CliError::unusable(format!("preset:{name}: expected a name from `burnish presets list`{hint}"))
+    })
+}
+
+/// Reads what `MATERIAL` means. A refused value is an error here, whereas the editor opens the rest.
+pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliError> {
+    if let Some(name) = preset_name(text) {
+        let preset = find_preset(name)?;
+        let place = format!("preset:{}", preset.name);
+        let (file, warnings) = preset.parse().map_err(|error| CliError::unusable(format!("{place}: {error}")))?;
+        report(&place, &warnings, messages)?;
+        return Ok(LoadedMaterial { material: Arc::new(file.material().clone()), textures: Arc::default() });
+    }
+
+    let path = Path::new(text);
+    refuse_later_formats(path)?;
+    if !path.exists() && burnish_presets::find(text).is_some() {
+        return Err(CliError::unusable(format!("{text}: there is no such file; did you mean `preset:{text}`?")));
+    }
+    let (file, warnings) = read(path).map_err(CliError::unusable)?;
+    report(text, &warnings, messages)?;
+    let material = file.material().clone();
+    let (textures, missing) = files::load_textures(&material, path.parent());
+    for sentence in missing {
+        messages.warn_about(path, &sentence);
+    }
+    Ok(LoadedMaterial { material: Arc::new(material), textures: Arc::new(textures) })
+}
+
+/// Reads a material file with all that is strange about it.
+pub fn read(path: &Path) -> Result<(MaterialFile, Vec<Warning>), FilesError> {
+    let bytes = std::fs::read(path).map_err(|source| FilesError::Read { path: path.to_path_buf(), source })?;
+    let text = String::from_utf8(bytes).map_err(|_| FilesError::NotText { path: path.to_path_buf() })?;
+    MaterialFile::parse(&text).map_err(|source| FilesError::Material { path: path.to_path_buf(), source })
+}
+
+/// Passes warnings on; the first refused value is an error instead.
+fn report(place: &str, warnings: &[Warning], messages: &mut Messages) -> Result<(), CliError> {
+    if let Some(refused) = warnings.iter().find(|warning| warning.is_refused) {
+        return Err(CliError::unusable(format!("{place}: {refused}")));
+    }
+    for warning in warnings {
+        messages.warn(format!("{place}: {warning}"));
+    }
+    Ok(())
+}
+
+fn refuse_later_formats(path: &Path) -> Result<(), CliError> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let what = if LATER_ENDINGS.contains(&ending.as_str()) {
+        "reading materials from other formats"
+    } else if burnish_assets::is_image_path(path) {
+        "repeating the job of a picture"
+    } else {
+        return Ok(());
+    };
+    Err(CliError::unusable(format!(
+        "{}: {what} is not in this version; expected an .asm.ron file or preset:NAME",
+        path.display()
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_found_in_any_case_and_others_refused_with_a_sentence() {
+        let first = burnish_presets::presets().first().unwrap();
+        let mut messages = Messages::default();
+        for prefix in ["preset:", "PRESET:"] {
+            let loaded = load(&format!("{prefix}{}", first.name.to_uppercase()), &mut messages).unwrap();
+            assert_eq!(loaded.material.name, first.name);
+        }
+        assert!(messages.warnings().is_empty());
+
+        let cases = [
+            ("preset:no such thing at all", "presets list"),
+            (first.name, "did you mean `preset:"),
+            ("chair.gltf", "not in this version"),
+            ("picture.PNG", "not in this version"),
+            ("nowhere.asm.ron", "nowhere.asm.ron: cannot be read"),
+        ];
+        for (text, expected) in cases {
+            let error = load(text, &mut messages).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text}: {error}");
+        }
+    }
+}

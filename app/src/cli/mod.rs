@@ -1,0 +1,205 @@
+//! The command line: arguments, messages and exit codes. What a subcommand does stands in its own file.
+//!
+//! Results go to standard output, with `--json` as exactly one object; everything else goes to standard error.
+//! Exit codes: 0 done, 1 findings, 2 unusable input or arguments, 130 interrupted.
+
+pub mod check;
+mod interrupt;
+mod material_argument;
+pub mod presets;
+pub mod render;
+pub mod scene_options;
+mod set;
+mod suggest;
+mod window;
+
+use clap::{Parser, Subcommand};
+use std::fmt;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Words that a later version understands; until then each is refused with a sentence.
+const LATER_COMMANDS: &[&str] =
+    &["converge", "compare", "parity", "features", "stability", "diff", "convert", "shader", "library", "turntable"];
+
+/// A material editor for the Adobe Standard Material 4.0.
+///
+/// Without a subcommand it opens the editor; with no display it renders the default scene to burnish.png instead.
+#[derive(Debug, Parser)]
+#[command(name = "burnish", version, args_conflicts_with_subcommands = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    /// Materials, meshes, environments or folders to open
+    files: Vec<PathBuf>,
+    /// Saves a picture of the window once it shows something, and closes it
+    #[arg(long, value_name = "FILE", hide = true)]
+    screenshot: Option<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Renders one picture
+    Render(Box<render::RenderArguments>),
+    /// Lists, shows and searches the built-in materials
+    Presets(presets::PresetsArguments),
+    /// Checks material files, or all in a folder: whether they can be read, and ranges
+    Check(check::CheckArguments),
+}
+
+/// How a command ended that did what it was asked to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done, or everything checked holds.
+    Done,
+    /// A check does not hold.
+    Findings,
+}
+
+/// Why a command did not do what it was asked to do.
+#[derive(Debug)]
+pub enum CliError {
+    /// Input or arguments cannot be used: one line with the file, the key and what was expected.
+    Unusable(String),
+    /// The user interrupted it; nothing was written.
+    Interrupted,
+}
+
+impl CliError {
+    /// An error with this sentence.
+    pub fn unusable(message: impl fmt::Display) -> Self {
+        Self::Unusable(message.to_string())
+    }
+}
+
+impl fmt::Display for CliError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unusable(message) => f.write_str(message),
+            Self::Interrupted => f.write_str("interrupted; nothing was written"),
+        }
+    }
+}
+
+impl std::error::Error for CliError {}
+
+/// Warnings of one command: printed as they come, and kept for the JSON object.
+#[derive(Debug, Default)]
+pub struct Messages {
+    warnings: Vec<String>,
+}
+
+impl Messages {
+    /// Prints a warning on standard error; the same sentence only once.
+    pub fn warn(&mut self, message: impl Into<String>) {
+        let message = message.into();
+        if !self.warnings.contains(&message) {
+            eprintln!("warning: {}", one_line(&message));
+            self.warnings.push(message);
+        }
+    }
+
+    /// Prints a warning about a file, which is named first unless the sentence does so itself.
+    pub fn warn_about(&mut self, file: &Path, message: &str) {
+        let file = file.display().to_string();
+        self.warn(if message.starts_with(&file) { message.to_owned() } else { format!("{file}: {message}") });
+    }
+
+    /// Everything said so far.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}
+
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let words: Vec<_> = std::env::args_os().collect();
+    if let Some(word) = words.get(1).and_then(|word| word.to_str())
+        && LATER_COMMANDS.contains(&word)
+        && !Path::new(word).exists()
+    {
+        return exit(Err(CliError::unusable(format!(
+            "`{word}` is not in this version; expected render, presets, check or files to open"
+        ))));
+    }
+    let arguments = match Arguments::try_parse_from(words) {
+        Ok(arguments) => arguments,
+        Err(error) if error.use_stderr() => return exit(Err(CliError::Unusable(sentence_of(&error)))),
+        // Help and version are what was asked for, so they are no error and belong to standard output.
+        Err(text) => return exit(print_out(&text.to_string()).map(|()| Outcome::Done)),
+    };
+    exit(match arguments.command {
+        None => window::run(arguments.files, arguments.screenshot),
+        Some(command) => {
+            interrupt::listen();
+            match command {
+                Command::Render(arguments) => render::run(&arguments),
+                Command::Presets(arguments) => presets::run(&arguments),
+                Command::Check(arguments) => check::run(&arguments),
+            }
+        }
+    })
+}
+
+fn exit(result: Result<Outcome, CliError>) -> ExitCode {
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Findings) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {}", one_line(&error.to_string()));
+            ExitCode::from(if matches!(error, CliError::Interrupted) { 130 } else { 2 })
+        }
+    }
+}
+
+/// What clap says, in one line: the fault and its tip, without the usage.
+fn sentence_of(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let paragraphs = text.split("\n\n").filter(|part| !part.starts_with("Usage:") && !part.starts_with("For more information"));
+    let sentence = one_line(&paragraphs.collect::<Vec<_>>().join("; "));
+    format!("{sentence}; see --help")
+}
+
+/// The text with every run of white space and line ends as one space, so that a message stays in its line.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Writes to standard output. A reader that has gone away is no fault of ours.
+fn print_out(text: &str) -> Result<(), CliError> {
+    let mut out = std::io::stdout().lock();
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    match write!(out, "{text}{end}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(CliError::unusable(format!("standard output: cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_declared_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn usage_errors_are_one_line() {
+        for words in [
+            &["burnish", "render", "--spp", "x"][..],
+            &["burnish", "render", "m"],
+            &["burnish", "--sed"],
+            &["burnish", "presets"],
+        ] {
+            let error = Arguments::try_parse_from(words).unwrap_err();
+            let sentence = sentence_of(&error);
+            assert!(!sentence.contains('\n') && sentence.len() > 20, "{sentence}");
+        }
+    }
+}

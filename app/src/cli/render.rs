@@ -1,0 +1,448 @@
+//! `burnish render`: one picture, by the path tracer or by the preview.
+//!
+//! Stop rules work together, the first to hit wins; with none given, 256 samples per pixel are taken.
+
+use super::material_argument::LoadedMaterial;
+use super::scene_options::{LoadedScene, SceneOptions, positive};
+use super::{CliError, Messages, Outcome, interrupt, print_out};
+use crate::export::{self, Format, Layer, LayerKind, Picture};
+use burnish_material::{LobeSet, MaterialFile};
+use burnish_renderer::path::{self, ErrorEstimate, Prepared, Progress, Settings, StopReason, StopRules};
+use burnish_renderer::preview::{self, Preview};
+use burnish_renderer::scene::Scene;
+use burnish_renderer::tonemap::{Display, DisplayTransform};
+use clap::Args;
+use serde_json::{Value, json};
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Samples per pixel without a stop rule: enough for a picture without visible grain of most materials.
+pub const DEFAULT_SPP: u32 = 256;
+
+/// Frames of the preview without a stop rule; it settles earlier by itself.
+const PREVIEW_FRAMES: u32 = 4096;
+
+/// Arguments of `burnish render`.
+#[derive(Debug, Default, Args)]
+pub struct RenderArguments {
+    /// Material file (.asm.ron) or preset:NAME; may be left out with --scene
+    #[arg(value_name = "MATERIAL")]
+    pub material: Option<String>,
+    /// Picture to write: .png (display-referred sRGB) or .exr (linear radiance)
+    #[arg(long, value_name = "FILE", required = true)]
+    pub out: PathBuf,
+    /// Path tracer (final) or rasteriser (preview)
+    #[arg(long, value_name = "final|preview", default_value = "final", value_parser = view)]
+    view: View,
+    /// Stops after this many samples per pixel [default without any stop rule: 256]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Stops after this many seconds of rendering
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time: Option<f64>,
+    /// Stops when the estimated relMSE is below this; a percentage is its square root (2% = 0.0004)
+    #[arg(long, value_name = "RELMSE", value_parser = relmse)]
+    pub error: Option<f64>,
+    /// Further layers: channels of an .exr, or files NAME.LAYER.png beside a .png
+    #[arg(long, value_name = "albedo,normal,depth,variance,samples", value_delimiter = ',', value_parser = layer)]
+    aov: Vec<LayerKind>,
+    /// Leaves the background out; the picture gets an alpha channel
+    #[arg(long)]
+    transparent: bool,
+    /// How radiance becomes colours in a .png
+    #[arg(long, value_name = "neutral|agx|aces|standard", default_value = "neutral", value_parser = transform)]
+    display_transform: DisplayTransform,
+    /// Not in this version
+    #[arg(long, hide = true)]
+    denoise: bool,
+    /// Not in this version
+    #[arg(long = "material", value_name = "NAME|INDEX", hide = true)]
+    choice: Option<String>,
+    /// Prints one JSON object
+    #[arg(long)]
+    json: bool,
+    /// What is drawn, and how large.
+    #[command(flatten)]
+    pub scene: SceneOptions,
+}
+
+/// Which renderer draws.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum View {
+    #[default]
+    Final,
+    Preview,
+}
+
+/// A picture and what is told about its making.
+struct Rendered {
+    picture: Picture,
+    spp: u32,
+    seconds: f64,
+    first_image_seconds: f64,
+    load_seconds: f64,
+    stop_reason: &'static str,
+    error: Option<ErrorEstimate>,
+    nonfinite: u64,
+    lobes: LobeSet,
+}
+
+/// Renders and writes one picture.
+pub fn run(arguments: &RenderArguments) -> Result<Outcome, CliError> {
+    render(arguments, None)
+}
+
+/// Renders and writes one picture; of `material` where the arguments name none.
+pub fn run_or_default(arguments: &RenderArguments, material: LoadedMaterial) -> Result<Outcome, CliError> {
+    render(arguments, Some(material))
+}
+
+fn render(arguments: &RenderArguments, default: Option<LoadedMaterial>) -> Result<Outcome, CliError> {
+    let start = Instant::now();
+    let mut messages = Messages::default();
+    refuse_later_options(arguments)?;
+    refuse_target(&arguments.out)?;
+    let loaded = arguments.scene.load(arguments.material.as_deref(), default, &mut messages)?;
+    let loading_seconds = start.elapsed().as_secs_f64();
+
+    let mut rendered = match arguments.view {
+        View::Final => final_view(arguments, &loaded, &mut messages)?,
+        View::Preview => preview(arguments, &loaded, &mut messages)?,
+    };
+    interrupt::check()?;
+    rendered.load_seconds += loading_seconds;
+    rendered.first_image_seconds += loading_seconds;
+    if rendered.nonfinite > 0 {
+        messages.warn(format!("{} samples were not finite and count as black", rendered.nonfinite));
+    }
+    rendered.picture.has_alpha = arguments.transparent;
+    rendered.picture.job = Some(job(arguments, &loaded, &rendered));
+
+    let display = Display { exposure_ev: arguments.scene.exposure_ev(), transform: arguments.display_transform };
+    let files = export::write(&arguments.out, &rendered.picture, display).map_err(CliError::unusable)?;
+    report(arguments, &rendered, &files, &messages)?;
+    Ok(Outcome::Done)
+}
+
+/// Options of the contract whose engine comes later.
+fn refuse_later_options(arguments: &RenderArguments) -> Result<(), CliError> {
+    let later = [("--denoise", arguments.denoise), ("--material", arguments.choice.is_some())];
+    match later.iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => {
+            Err(CliError::unusable(format!("{option}: not in this version; expected the options that --help lists")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Fails early where the picture could not be written after minutes of rendering.
+fn refuse_target(path: &Path) -> Result<(), CliError> {
+    if Format::of(path).is_none() {
+        return Err(CliError::unusable(export::ExportError::UnknownFormat { path: path.to_path_buf() }));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(CliError::unusable(format!(
+            "--out: {}: expected a folder that exists: {}",
+            path.display(),
+            folder.display()
+        )));
+    }
+    if path.is_dir() {
+        return Err(CliError::unusable(format!("--out: {}: expected a file, found a folder", path.display())));
+    }
+    Ok(())
+}
+
+fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Messages) -> Result<Rendered, CliError> {
+    for sentence in path::unsupported(&loaded.scene) {
+        messages.warn(sentence);
+    }
+    let has_rule = arguments.spp.is_some() || arguments.time.is_some() || arguments.error.is_some();
+    let spp = if has_rule { arguments.spp } else { Some(DEFAULT_SPP) };
+    let settings = Settings {
+        width: loaded.width,
+        height: loaded.height,
+        seed: arguments.scene.seed,
+        threads: arguments.scene.threads(),
+        stop: StopRules { spp, seconds: arguments.time, relmse: arguments.error },
+    };
+    let mut line = ProgressLine::new();
+    let rendering = path::render(&loaded.scene, &settings, &mut |progress| {
+        line.show(|| progress_text(progress));
+        !interrupt::is_interrupted()
+    });
+    line.clear();
+    if matches!(rendering.stop_reason, StopReason::Cancelled) {
+        return Err(CliError::Interrupted);
+    }
+    let film = &rendering.film;
+    let rgb = film.mean();
+    let alpha = if arguments.transparent { film.alpha() } else { vec![1.0; rgb.len()] };
+    let pixels = rgb.iter().zip(&alpha).map(|([r, g, b], a)| [*r, *g, *b, *a]).collect();
+    let mut layers = Vec::new();
+    if !arguments.aov.is_empty() {
+        let surfaces = surfaces(arguments, loaded);
+        for kind in &arguments.aov {
+            let planes = match kind {
+                LayerKind::Albedo => split(&surfaces.albedo),
+                LayerKind::Normal => split(&surfaces.normal),
+                LayerKind::Depth => vec![surfaces.depth.clone()],
+                LayerKind::Variance => split(&film.variance()),
+                LayerKind::Samples => vec![vec![film.spp() as f32; rgb.len()]],
+            };
+            layers.push(Layer { kind: *kind, planes });
+        }
+    }
+    Ok(Rendered {
+        picture: Picture { width: loaded.width, height: loaded.height, pixels, layers, ..Picture::default() },
+        spp: film.spp(),
+        seconds: rendering.seconds,
+        first_image_seconds: rendering.first_image_seconds,
+        load_seconds: rendering.load_seconds,
+        stop_reason: rendering.stop_reason.word(),
+        error: film.error(),
+        nonfinite: rendering.nonfinite,
+        lobes: rendering.lobes,
+    })
+}
+
+/// What the camera sees first; left empty unless a layer asks for it.
+fn surfaces(arguments: &RenderArguments, loaded: &LoadedScene) -> path::Aovs {
+    let is_seen = |kind: &LayerKind| matches!(kind, LayerKind::Albedo | LayerKind::Normal | LayerKind::Depth);
+    if !arguments.aov.iter().any(is_seen) {
+        return path::Aovs::default();
+    }
+    path::aovs(&Prepared::new(&loaded.scene, None), loaded.width, loaded.height)
+}
+
+fn split(values: &[[f32; 3]]) -> Vec<Vec<f32>> {
+    (0..3).map(|c| values.iter().map(|value| value[c]).collect()).collect()
+}
+
+fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Messages) -> Result<Rendered, CliError> {
+    if arguments.transparent || !arguments.aov.is_empty() || arguments.error.is_some() {
+        return Err(CliError::unusable(
+            "--view preview: expected no --transparent, --aov or --error; they belong to --view final",
+        ));
+    }
+    let unusable = |error| CliError::unusable(format!("--view preview: {error}"));
+    let start = Instant::now();
+    let (_adapter, device, queue) = preview::headless_device().map_err(unusable)?;
+    let mut preview = Preview::new(&device, &queue).map_err(unusable)?;
+    preview.set_scene(&device, &queue, &loaded.scene);
+    let load_seconds = start.elapsed().as_secs_f64();
+
+    let side = |pixels: usize| {
+        let limit = device.limits().max_texture_dimension_2d;
+        u32::try_from(pixels)
+            .ok()
+            .filter(|side| *side <= limit)
+            .ok_or_else(|| CliError::unusable(format!("--size: expected at most {limit} pixels for this GPU, found {pixels}")))
+    };
+    let (width, height) = (side(loaded.width)?, side(loaded.height)?);
+    let display = Display { exposure_ev: arguments.scene.exposure_ev(), transform: arguments.display_transform };
+    let frames = arguments.spp.unwrap_or(PREVIEW_FRAMES);
+    let start = Instant::now();
+    let (mut drawn, mut first_image_seconds) = (0, 0.0);
+    let stop_reason = loop {
+        interrupt::check()?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let would_refine = preview.draw(&device, &queue, &mut encoder, width, height, display);
+        queue.submit([encoder.finish()]);
+        drawn += 1;
+        if drawn == 1 {
+            preview.read_linear(&device, &queue).map_err(unusable)?;
+            first_image_seconds = start.elapsed().as_secs_f64();
+        }
+        if !would_refine {
+            break "converged";
+        }
+        if drawn >= frames {
+            break StopReason::Spp.word();
+        }
+        if arguments.time.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds) {
+            break StopReason::Time.word();
+        }
+    };
+    let pixels = preview.read_linear(&device, &queue).map_err(unusable)?;
+    let nonfinite = pixels.iter().filter(|pixel| pixel.iter().any(|x| !x.is_finite())).count() as u64;
+    if arguments.scene.threads.is_some() {
+        messages.warn("--threads has no effect with --view preview");
+    }
+    let lobes = lobes(&loaded.scene);
+    Ok(Rendered {
+        picture: Picture { width: loaded.width, height: loaded.height, pixels, ..Picture::default() },
+        spp: drawn,
+        seconds: start.elapsed().as_secs_f64(),
+        first_image_seconds: load_seconds + first_image_seconds,
+        load_seconds,
+        stop_reason,
+        error: None,
+        nonfinite,
+        lobes,
+    })
+}
+
+fn lobes(scene: &Scene) -> LobeSet {
+    scene
+        .objects
+        .iter()
+        .filter(|object| object.is_document)
+        .fold(LobeSet::EMPTY, |set, object| set.union(LobeSet::of(&object.material)))
+}
+
+/// What the picture was made from; no times, so that equal jobs give equal files.
+fn job(arguments: &RenderArguments, loaded: &LoadedScene, rendered: &Rendered) -> Value {
+    let material = loaded.material().map(|material| MaterialFile::new(material).text().to_owned());
+    json!({
+        "program": concat!("Burnish ", env!("CARGO_PKG_VERSION")),
+        "view": if arguments.view == View::Final { "final" } else { "preview" },
+        "seed": arguments.scene.seed,
+        "spp": rendered.spp,
+        "max_bounces": loaded.scene.max_bounces,
+        "material": material,
+    })
+}
+
+fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], messages: &Messages) -> Result<(), CliError> {
+    let samples = rendered.picture.width as f64 * rendered.picture.height as f64 * f64::from(rendered.spp);
+    if !arguments.json {
+        let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+        let error = rendered.error.as_ref().map_or_else(String::new, |error| format!(", {}", error_text(error)));
+        return print_out(&format!(
+            "{} ({}x{}): {} spp in {:.1} s{error}, stopped by {}",
+            names.join(", "),
+            rendered.picture.width,
+            rendered.picture.height,
+            rendered.spp,
+            rendered.seconds,
+            rendered.stop_reason
+        ));
+    }
+    let object = json!({
+        "out": arguments.out,
+        "files": files,
+        "width": rendered.picture.width,
+        "height": rendered.picture.height,
+        "view": if arguments.view == View::Final { "final" } else { "preview" },
+        "spp": rendered.spp,
+        "seconds": rendered.seconds,
+        "load_seconds": rendered.load_seconds,
+        "first_image_seconds": rendered.first_image_seconds,
+        "stop_reason": rendered.stop_reason,
+        "relmse_estimate": rendered.error.as_ref().map(|error| error.relmse),
+        "relmse_low": rendered.error.as_ref().map(|error| error.low),
+        "relmse_high": rendered.error.as_ref().map(|error| error.high),
+        "is_firefly_limited": rendered.error.as_ref().map(|error| error.is_firefly_limited),
+        "samples_per_second": samples / rendered.seconds.max(1e-9),
+        "threads": arguments.scene.threads(),
+        "seed": arguments.scene.seed,
+        "lobes": rendered.lobes.names(true),
+        "left_out": rendered.lobes.names(false),
+        "peak_memory_bytes": peak_memory_bytes(),
+        "nonfinite_samples": rendered.nonfinite,
+        "warnings": messages.warnings(),
+    });
+    print_out(&object.to_string())
+}
+
+/// `error 1.9 % (±0.2)`: the square root of relMSE, with half the width of its interval.
+fn error_text(error: &ErrorEstimate) -> String {
+    let percent = |relmse: f64| 100.0 * relmse.max(0.0).sqrt();
+    let half_width = 0.5 * (percent(error.high) - percent(error.low));
+    let fireflies = if error.is_firefly_limited { ", mostly few bright pixels" } else { "" };
+    format!("error {:.1} % (±{half_width:.1}{fireflies})", percent(error.relmse))
+}
+
+fn progress_text(progress: &Progress) -> String {
+    let error = progress.error.as_ref().map_or_else(String::new, |error| format!(", {}", error_text(error)));
+    format!("{} spp in {:.1} s{error}", progress.spp, progress.seconds)
+}
+
+/// One line on standard error that is written over again and again; nothing where that is no terminal.
+struct ProgressLine {
+    is_terminal: bool,
+    last: Option<Instant>,
+    width: usize,
+}
+
+impl ProgressLine {
+    fn new() -> Self {
+        Self { is_terminal: std::io::stderr().is_terminal(), last: None, width: 0 }
+    }
+
+    /// Shows a text, at most ten times a second.
+    fn show(&mut self, text: impl FnOnce() -> String) {
+        if !self.is_terminal || self.last.is_some_and(|last| last.elapsed().as_millis() < 100) {
+            return;
+        }
+        self.last = Some(Instant::now());
+        self.write(&text());
+    }
+
+    fn clear(&mut self) {
+        if self.width > 0 {
+            self.write("");
+            self.write("");
+        }
+    }
+
+    fn write(&mut self, text: &str) {
+        // A terminal that has gone away must not stop the work.
+        let _ = write!(std::io::stderr(), "\r{text:<width$}", width = self.width);
+        self.width = text.chars().count();
+    }
+}
+
+/// Most memory this process has held, where the system tells (Linux).
+fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+fn view(word: &str) -> Result<View, String> {
+    match word {
+        "final" => Ok(View::Final),
+        "preview" => Ok(View::Preview),
+        _ => Err("expected final or preview".to_owned()),
+    }
+}
+
+fn transform(word: &str) -> Result<DisplayTransform, String> {
+    DisplayTransform::from_word(word).ok_or_else(|| "expected neutral, agx, aces or standard".to_owned())
+}
+
+fn layer(word: &str) -> Result<LayerKind, String> {
+    let known = || LayerKind::ALL.map(|(_, word)| word).join(", ");
+    LayerKind::from_word(word).ok_or_else(|| format!("expected layers among {}", known()))
+}
+
+/// A relMSE as a number, or as the percentage whose square it is.
+fn relmse(text: &str) -> Result<f64, String> {
+    let read = match text.trim().strip_suffix('%') {
+        Some(percent) => positive(percent).map(|percent| (percent / 100.0).powi(2)),
+        None => positive(text),
+    };
+    let expected = || "expected a relMSE above 0, such as 0.001, or a percentage, such as 2%".to_owned();
+    // A square can become 0 although the percentage was not.
+    read.ok().filter(|relmse| *relmse > 0.0).ok_or_else(expected)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_numbers_or_percentages() {
+        assert_eq!(relmse("0.001"), Ok(0.001));
+        assert!((relmse("2%").unwrap() - 0.0004).abs() < 1e-12);
+        assert!((relmse("10 %").unwrap() - 0.01).abs() < 1e-12);
+        for text in ["", "0", "-1", "NaN", "inf", "%", "1e-300%", "two"] {
+            assert!(relmse(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! File dialogs of the system, behind a trait so that tests answer with paths of their own.
+//!
+//! A dialog never blocks the window: it is asked, and its answer polled.
+
+use burnish_material::Property;
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// What a path is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// A material to open.
+    OpenMaterial,
+    /// Where to save the material.
+    SaveMaterial,
+    /// A mesh to show.
+    LoadModel,
+    /// An environment map.
+    LoadEnvironment,
+    /// An image for a property.
+    LoadTexture(Property),
+    /// Where to write the picture, display-referred.
+    SavePng,
+    /// Where to write the picture, linear.
+    SaveExr,
+}
+
+impl Purpose {
+    fn title(self) -> String {
+        match self {
+            Self::OpenMaterial => "Open material".into(),
+            Self::SaveMaterial => "Save material".into(),
+            Self::LoadModel => "Load mesh".into(),
+            Self::LoadEnvironment => "Load environment".into(),
+            Self::LoadTexture(property) => format!("Choose a map for {}", property.def().label),
+            Self::SavePng | Self::SaveExr => "Save picture".into(),
+        }
+    }
+
+    fn filter(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::OpenMaterial | Self::SaveMaterial => ("Material", &["ron"]),
+            Self::LoadModel => ("Mesh", &["gltf", "glb", "ply"]),
+            Self::LoadEnvironment => ("Environment", &["hdr", "exr"]),
+            Self::LoadTexture(_) => ("Image", &["png", "jpg", "jpeg", "exr", "hdr"]),
+            Self::SavePng => ("PNG", &["png"]),
+            Self::SaveExr => ("OpenEXR", &["exr"]),
+        }
+    }
+
+    fn is_saving(self) -> bool {
+        matches!(self, Self::SaveMaterial | Self::SavePng | Self::SaveExr)
+    }
+}
+
+/// A question for a path.
+#[derive(Clone, Debug)]
+pub struct Question {
+    /// What it is wanted for.
+    pub purpose: Purpose,
+    /// Where the dialog starts.
+    pub folder: Option<PathBuf>,
+    /// Name proposed when saving.
+    pub file_name: String,
+}
+
+/// A path, or `None` when the user cancelled.
+pub type Answer = (Purpose, Option<PathBuf>);
+
+/// Asks the user for paths.
+pub trait Dialogs {
+    /// Puts a question; the answer comes later from [`Self::poll`].
+    fn ask(&mut self, question: Question, ctx: &egui::Context);
+    /// The next answer that has arrived.
+    fn poll(&mut self) -> Option<Answer>;
+}
+
+/// The dialogs of the desktop.
+pub struct SystemDialogs {
+    sender: Sender<Answer>,
+    receiver: Receiver<Answer>,
+}
+
+impl Default for SystemDialogs {
+    fn default() -> Self {
+        let (sender, receiver) = channel();
+        Self { sender, receiver }
+    }
+}
+
+impl Dialogs for SystemDialogs {
+    fn ask(&mut self, question: Question, ctx: &egui::Context) {
+        let purpose = question.purpose;
+        let (name, extensions) = purpose.filter();
+        let mut dialog = rfd::AsyncFileDialog::new().set_title(purpose.title()).add_filter(name, extensions);
+        if let Some(folder) = question.folder {
+            dialog = dialog.set_directory(folder);
+        }
+        if !question.file_name.is_empty() {
+            dialog = dialog.set_file_name(question.file_name);
+        }
+        // Some systems insist that dialogs are made on the window's thread; waiting may happen anywhere.
+        let (sender, ctx) = (self.sender.clone(), ctx.clone());
+        let wait = move |path: Option<rfd::FileHandle>| {
+            let _ = sender.send((purpose, path.map(|file| file.path().to_path_buf())));
+            ctx.request_repaint();
+        };
+        if purpose.is_saving() {
+            let future = dialog.save_file();
+            std::thread::spawn(move || wait(pollster::block_on(future)));
+        } else {
+            let future = dialog.pick_file();
+            std::thread::spawn(move || wait(pollster::block_on(future)));
+        }
+    }
+
+    fn poll(&mut self) -> Option<Answer> {
+        self.receiver.try_recv().ok()
+    }
+}
+
+/// Answers prepared in advance, for tests: each question takes the next one.
+#[derive(Default)]
+pub struct PreparedDialogs {
+    /// Paths to answer with, first come first served; an empty list cancels.
+    pub paths: VecDeque<PathBuf>,
+    answers: VecDeque<Answer>,
+}
+
+impl PreparedDialogs {
+    /// Answers with these paths in turn.
+    pub fn new(paths: impl IntoIterator<Item = PathBuf>) -> Self {
+        Self { paths: paths.into_iter().collect(), answers: VecDeque::new() }
+    }
+}
+
+impl Dialogs for PreparedDialogs {
+    fn ask(&mut self, question: Question, ctx: &egui::Context) {
+        self.answers.push_back((question.purpose, self.paths.pop_front()));
+        ctx.request_repaint();
+    }
+
+    fn poll(&mut self) -> Option<Answer> {
+        self.answers.pop_front()
+    }
+}

@@ -1,0 +1,291 @@
+//! The document and the view settings: everything the user can change, and the scene they make together.
+
+use crate::files::{self, OpenedMaterial};
+use burnish_assets::Environment;
+use burnish_material::{Material, MaterialFile, PROPERTIES};
+use burnish_renderer::path::StopRules;
+use burnish_renderer::scene::{Camera, DEFAULT_ELEVATION_DEG, DEFAULT_FOV_DEG, EnvironmentLight, ModelMeshes, Scene, TextureSet};
+use burnish_renderer::tonemap::Display;
+use glam::Vec3;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The file a document came from, or the text it would have.
+#[derive(Debug)]
+struct Origin {
+    path: Option<PathBuf>,
+    file: MaterialFile,
+}
+
+/// The material being edited, its images, and what its file held when it was opened or saved last.
+#[derive(Clone, Debug)]
+pub struct Document {
+    /// The material, edited in place by the widgets.
+    pub material: Material,
+    /// Images by the path that the material names.
+    pub textures: Arc<TextureSet>,
+    origin: Arc<Origin>,
+    /// Whether this document replaced one with unsaved changes that only undo can bring back.
+    covers_unsaved: bool,
+}
+
+impl Document {
+    /// A document without a file.
+    pub fn new(material: Material) -> Self {
+        let file = MaterialFile::new(&material);
+        // The file's own reading is the reference, so that a fresh document never counts as changed.
+        Self::with_origin(file, None, Arc::default())
+    }
+
+    /// A document as opened from a file or made from a preset's text.
+    pub fn opened(opened: OpenedMaterial) -> Self {
+        Self::with_origin(opened.file, opened.path, opened.textures)
+    }
+
+    fn with_origin(file: MaterialFile, path: Option<PathBuf>, textures: Arc<TextureSet>) -> Self {
+        let material = file.material().clone();
+        Self { material, textures, origin: Arc::new(Origin { path, file }), covers_unsaved: false }
+    }
+
+    /// A document that takes the place of `self` as one step that undo can take back.
+    #[must_use]
+    pub fn replaced_by(&self, mut next: Self) -> Self {
+        next.covers_unsaved = self.is_modified();
+        next
+    }
+
+    /// The file with its text as opened or saved last.
+    pub fn file(&self) -> &MaterialFile {
+        &self.origin.file
+    }
+
+    /// Where the document was opened from or saved to.
+    pub fn path(&self) -> Option<&Path> {
+        self.origin.path.as_deref()
+    }
+
+    /// The folder that relative texture paths start at.
+    pub fn folder(&self) -> Option<&Path> {
+        self.path().and_then(Path::parent)
+    }
+
+    /// Whether closing would lose something.
+    pub fn is_modified(&self) -> bool {
+        self.covers_unsaved || self.material != *self.origin.file.material()
+    }
+
+    /// Whether nothing that undo restores differs.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.material == other.material && self.shares_origin(other)
+    }
+
+    /// Whether both came from the same opening, saving or preset.
+    pub fn shares_origin(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.origin, &other.origin)
+    }
+
+    /// Takes over which file this is, and what it holds.
+    pub fn take_origin(&mut self, other: &Self) {
+        self.origin = other.origin.clone();
+    }
+
+    /// Prepares for saving in another folder: relative paths of maps are made to lead to the same images from there.
+    pub fn move_to_folder(&mut self, folder: Option<&Path>) {
+        let old = self.folder().map(Path::to_path_buf);
+        if old.as_deref() == folder {
+            return;
+        }
+        for def in PROPERTIES {
+            let Some(texture) = &mut self.material.slot_mut(def.id).texture else { continue };
+            let name = files::texture_name(&files::texture_path(&texture.path, old.as_deref()), folder);
+            if let Some(image) = self.textures.get(&texture.path).cloned() {
+                Arc::make_mut(&mut self.textures).insert(name.clone(), image);
+            }
+            texture.path = name;
+        }
+    }
+
+    /// Records that `path` now holds `file`.
+    pub fn set_saved(&mut self, path: PathBuf, file: MaterialFile) {
+        self.origin = Arc::new(Origin { path: Some(path), file });
+        self.covers_unsaved = false;
+    }
+
+    /// What to call the document: its name, else its file, else `Untitled`.
+    pub fn title(&self) -> String {
+        if !self.material.name.is_empty() {
+            return self.material.name.clone();
+        }
+        self.path().and_then(Path::file_name).map_or_else(|| "Untitled".into(), |name| name.to_string_lossy().into_owned())
+    }
+}
+
+/// Which renderer's picture is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViewMode {
+    /// The GPU's picture, at once.
+    #[default]
+    Preview,
+    /// The path tracer's picture, refined.
+    Final,
+    /// Preview on the left, final on the right.
+    Both,
+}
+
+impl ViewMode {
+    /// All modes with their names.
+    pub const ALL: [(Self, &'static str); 3] = [(Self::Preview, "Preview"), (Self::Final, "Final"), (Self::Both, "Both")];
+
+    /// Whether the path tracer's picture is visible.
+    pub fn has_final(self) -> bool {
+        self != Self::Preview
+    }
+
+    /// Whether the GPU's picture is visible.
+    pub fn has_preview(self) -> bool {
+        self != Self::Final
+    }
+}
+
+/// The camera as the user turns it: on a sphere about a point. Angles in degrees, lengths in scene units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orbit {
+    /// Point in the middle of the picture.
+    pub target: Vec3,
+    /// Angle about +Y; 0 looks along -Z.
+    pub azimuth_deg: f32,
+    /// Angle above the horizon.
+    pub elevation_deg: f32,
+    /// From the target.
+    pub distance: f32,
+    /// Vertical field of view.
+    pub fov_deg: f32,
+}
+
+impl Default for Orbit {
+    fn default() -> Self {
+        Self { target: Vec3::ZERO, azimuth_deg: 0.0, elevation_deg: DEFAULT_ELEVATION_DEG, distance: 5.0, fov_deg: DEFAULT_FOV_DEG }
+    }
+}
+
+impl Orbit {
+    /// The camera at this place.
+    pub fn camera(&self) -> Camera {
+        Camera::orbit(self.target, self.azimuth_deg, self.elevation_deg, self.distance, self.fov_deg)
+    }
+
+    /// The first look at a model: its own default camera.
+    pub fn of_model(model: &ModelMeshes) -> Self {
+        let mut orbit = Self::default();
+        orbit.frame(model);
+        orbit
+    }
+
+    /// Moves and zooms so that the object fills the picture; angles stay.
+    pub fn frame(&mut self, model: &ModelMeshes) {
+        let camera = model.default_camera();
+        self.target = camera.target;
+        self.distance = camera.origin.distance(camera.target).max(1e-6);
+        self.fov_deg = camera.fov_deg;
+    }
+
+    /// Turns by a drag, in fractions of the picture's height.
+    pub fn turn(&mut self, dx: f32, dy: f32) {
+        self.azimuth_deg = (self.azimuth_deg - 240.0 * dx).rem_euclid(360.0);
+        self.elevation_deg = (self.elevation_deg + 240.0 * dy).clamp(-89.0, 89.0);
+    }
+
+    /// Shifts the target so that it follows the pointer; in fractions of the picture's height.
+    pub fn pan(&mut self, dx: f32, dy: f32) {
+        let basis = self.camera().basis(1.0);
+        let shift = (-dx * basis.right + dy * basis.up) * 2.0 * self.distance;
+        if shift.is_finite() {
+            self.target += shift;
+        }
+    }
+
+    /// Comes closer for positive `amount`; 1 is a factor of e.
+    pub fn zoom(&mut self, amount: f32) {
+        self.distance = (self.distance * (-amount.clamp(-2.0, 2.0)).exp()).clamp(1e-4, 1e6);
+    }
+}
+
+/// How the document is looked at. Not part of the document, and not undone.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// Which renderer's picture is shown.
+    pub mode: ViewMode,
+    /// Point of view.
+    pub orbit: Orbit,
+    /// Exposure and display transform.
+    pub display: Display,
+    /// Rotation of the environment about +Y, degrees.
+    pub environment_deg: f32,
+    /// When the final view stops by itself.
+    pub stop: StopRules,
+    /// Whether the error-over-time chart is shown with the final view.
+    pub is_chart_shown: bool,
+    /// Whether the side panels are shown.
+    pub are_panels_shown: bool,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            mode: ViewMode::default(),
+            orbit: Orbit::default(),
+            display: Display::default(),
+            environment_deg: 0.0,
+            // A still picture on a busy machine should end by itself; 0.5 % error is below what the eye sees.
+            stop: StopRules { spp: Some(4096), seconds: None, relmse: Some(0.005 * 0.005) },
+            is_chart_shown: true,
+            are_panels_shown: true,
+        }
+    }
+}
+
+/// The document, what it is shown on, and how.
+#[derive(Clone, Debug)]
+pub struct Editor {
+    /// The material being edited.
+    pub document: Document,
+    /// How it is looked at.
+    pub view: View,
+    /// What carries the material; `None` while the first one is being made.
+    pub model: Option<Arc<ModelMeshes>>,
+    /// What lights it; `None` while the first one is being made.
+    pub environment: Option<Arc<Environment>>,
+}
+
+impl Editor {
+    /// An editor of a new material.
+    pub fn new() -> Self {
+        Self { document: Document::new(Material::named("New material")), view: View::default(), model: None, environment: None }
+    }
+
+    /// The scene that both renderers draw; `None` while a part of it is being made.
+    pub fn scene(&self) -> Option<Scene> {
+        let model = self.model.as_ref()?;
+        let environment = EnvironmentLight { map: self.environment.clone()?, rotation_deg: self.view.environment_deg, scale: 1.0 };
+        let material = Arc::new(self.document.material.clone());
+        let mut scene = Scene::of_model(model, material, self.document.textures.clone(), environment, model.unit_mm);
+        scene.camera = self.view.orbit.camera();
+        Some(scene)
+    }
+
+    /// Shows another model, framed. The angles of the view stay.
+    pub fn set_model(&mut self, model: ModelMeshes) {
+        if self.model.is_none() {
+            self.view.orbit = Orbit::of_model(&model);
+        } else {
+            self.view.orbit.frame(&model);
+        }
+        self.model = Some(Arc::new(model));
+    }
+}
+
+impl Default for Editor {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,186 @@
+//! Materials on disk: opening one with its textures, and saving so that nothing can be lost halfway.
+//!
+//! What a material file means is in `burnish_material`; here it only gets its path, its folder and its images.
+
+use burnish_material::{FileError, Material, MaterialFile};
+use burnish_renderer::scene::TextureSet;
+use std::ffi::OsString;
+use std::fmt;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Ending of material files, without the first dot.
+pub const MATERIAL_EXTENSION: &str = "asm.ron";
+
+/// Why a file could not be read or written. Shown to the user as it is.
+#[derive(Debug)]
+pub enum FilesError {
+    /// The system refused to read.
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The system refused to write; the old file is as it was.
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// What was read back after writing differs from what was written; the old file is as it was.
+    Differs {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is not text in UTF-8.
+    NotText {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The text is not a material.
+    Material {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        source: FileError,
+    },
+}
+
+impl fmt::Display for FilesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read { path, source } => write!(f, "{}: cannot be read: {source}", path.display()),
+            Self::Write { path, source } => write!(f, "{}: cannot be written: {source}", path.display()),
+            Self::Differs { path } => {
+                write!(f, "{}: not saved, because what was read back differs from what was written", path.display())
+            }
+            Self::NotText { path } => write!(f, "{}: expected a material as UTF-8 text, found other bytes", path.display()),
+            Self::Material { path, source } => write!(f, "{}: {source}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for FilesError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
+            Self::Material { source, .. } => Some(source),
+            Self::Differs { .. } | Self::NotText { .. } => None,
+        }
+    }
+}
+
+/// A material with its text, its images and what was strange about them.
+#[derive(Clone, Debug)]
+pub struct OpenedMaterial {
+    /// Where it came from; `None` for a new material or a preset.
+    pub path: Option<PathBuf>,
+    /// The text with everything this version does not know.
+    pub file: MaterialFile,
+    /// Sentences for the user.
+    pub warnings: Vec<String>,
+    /// Images by the path that the material names.
+    pub textures: Arc<TextureSet>,
+}
+
+/// Whether a path has the ending of a material file; case is ignored.
+pub fn is_material_path(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
+    name.ends_with(".asm.ron") || name.ends_with(".ron")
+}
+
+/// Writes `bytes` to `path` so that the file holds either all of them or what it held before.
+///
+/// The bytes go to a new file beside it, are forced to disk, read back, compared, and only then renamed.
+pub fn save_atomic(path: &Path, bytes: &[u8]) -> Result<(), FilesError> {
+    // A rename would replace a link by a file: write through it instead.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let failed = |source| FilesError::Write { path: path.to_path_buf(), source };
+    let Some(name) = target.file_name() else {
+        return Err(failed(std::io::Error::new(std::io::ErrorKind::InvalidInput, "the path has no file name")));
+    };
+    let mut beside: OsString = OsString::from(".");
+    beside.push(name);
+    beside.push(format!(".{}.tmp", std::process::id()));
+    let temporary = target.with_file_name(beside);
+
+    let written = write_and_check(&temporary, bytes, path).and_then(|()| {
+        if let Ok(old) = fs::metadata(&target) {
+            // Kept on a best effort: some file systems have no permissions to keep.
+            let _ = fs::set_permissions(&temporary, old.permissions());
+        }
+        fs::rename(&temporary, &target).map_err(failed)
+    });
+    if written.is_err() {
+        let _ = fs::remove_file(&temporary);
+        return written;
+    }
+    // The rename itself lies in the folder; not every system lets a folder be synced.
+    if let Some(folder) = target.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    }
+    Ok(())
+}
+
+fn write_and_check(temporary: &Path, bytes: &[u8], path: &Path) -> Result<(), FilesError> {
+    let failed = |source| FilesError::Write { path: path.to_path_buf(), source };
+    let mut file = File::create(temporary).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    file.sync_all().map_err(failed)?;
+    drop(file);
+    let read_back = fs::read(temporary).map_err(failed)?;
+    if read_back == bytes { Ok(()) } else { Err(FilesError::Differs { path: path.to_path_buf() }) }
+}
+
+/// Reads a material file and the images it names, relative to its folder.
+///
+/// A strange value or a missing image is a warning; only unreadable text is an error.
+pub fn open_material(path: &Path) -> Result<OpenedMaterial, FilesError> {
+    let bytes = fs::read(path).map_err(|source| FilesError::Read { path: path.to_path_buf(), source })?;
+    let text = String::from_utf8(bytes).map_err(|_| FilesError::NotText { path: path.to_path_buf() })?;
+    let (file, warnings) =
+        MaterialFile::parse(&text).map_err(|source| FilesError::Material { path: path.to_path_buf(), source })?;
+    let mut warnings: Vec<String> = warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
+    let (textures, missing) = load_textures(file.material(), path.parent());
+    warnings.extend(missing);
+    Ok(OpenedMaterial { path: Some(path.to_path_buf()), file, warnings, textures: Arc::new(textures) })
+}
+
+/// Loads every image that a material names. Relative paths start at `folder`, or at the current one.
+///
+/// Returns the images that could be read, and a sentence for each that could not.
+pub fn load_textures(material: &Material, folder: Option<&Path>) -> (TextureSet, Vec<String>) {
+    let mut textures = TextureSet::new();
+    let mut failed: Vec<(String, String)> = Vec::new();
+    for (property, slot) in material.slots() {
+        let Some(texture) = &slot.texture else { continue };
+        if textures.contains_key(&texture.path) || failed.iter().any(|(path, _)| *path == texture.path) {
+            continue;
+        }
+        match burnish_assets::load_image(&texture_path(&texture.path, folder)) {
+            Ok(image) => {
+                textures.insert(texture.path.clone(), Arc::new(image));
+            }
+            Err(error) => {
+                failed.push((texture.path.clone(), format!("{}: the value is used instead of the texture: {error}", property.def().name)));
+            }
+        }
+    }
+    (textures, failed.into_iter().map(|(_, sentence)| sentence).collect())
+}
+
+/// Where a texture lies on disk: `path` itself if absolute, else below `folder`.
+pub fn texture_path(path: &str, folder: Option<&Path>) -> PathBuf {
+    folder.map_or_else(|| PathBuf::from(path), |folder| folder.join(path))
+}
+
+/// How a material file in `folder` should name the image at `path`: relative if it lies below, with `/` either way.
+pub fn texture_name(path: &Path, folder: Option<&Path>) -> String {
+    let relative = folder.and_then(|folder| path.strip_prefix(folder).ok()).unwrap_or(path);
+    let text = relative.to_string_lossy();
+    if std::path::MAIN_SEPARATOR == '/' { text.into_owned() } else { text.replace(std::path::MAIN_SEPARATOR, "/") }
+}

@@ -1,0 +1,179 @@
+//! The final view while it runs: requests to the worker, its newest picture, and that picture developed for the screen.
+//!
+//! Developing (exposure and display transform of every pixel) takes longer than a frame may, so a thread does it.
+
+use burnish_renderer::path::Settings;
+use burnish_renderer::scene::Scene;
+use burnish_renderer::tonemap::Display;
+use burnish_renderer::worker::{Snapshot, Worker};
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::editor::View;
+
+/// A request that has produced nothing yet is given this long before a newer one takes its place. Otherwise a slow
+/// machine would show nothing for as long as a slider moves.
+const PATIENCE: Duration = Duration::from_millis(150);
+
+/// The worker and what it has shown so far.
+pub struct LiveFinal {
+    worker: Worker,
+    threads: usize,
+    pending: Option<(Arc<Scene>, Settings)>,
+    requested: Option<(u64, Instant)>,
+    snapshot: Option<Arc<Snapshot>>,
+    developer: Developer,
+    sent: Option<(Arc<Snapshot>, Display)>,
+    texture: Option<TextureHandle>,
+}
+
+impl LiveFinal {
+    /// Starts the threads. One core is left to the window.
+    pub fn new(ctx: &Context) -> Self {
+        let threads = std::thread::available_parallelism().map_or(1, |n| n.get().saturating_sub(1).max(1));
+        let repaint = ctx.clone();
+        Self {
+            worker: Worker::new(threads, Box::new(move || repaint.request_repaint())),
+            threads,
+            pending: None,
+            requested: None,
+            snapshot: None,
+            developer: Developer::new(ctx.clone()),
+            sent: None,
+            texture: None,
+        }
+    }
+
+    /// Asks for a picture of this scene; the newest request wins.
+    pub fn request(&mut self, scene: Arc<Scene>, (width, height): (usize, usize), view: &View) {
+        let settings = Settings { width, height, seed: 0, threads: self.threads, stop: view.stop };
+        self.pending = Some((scene, settings));
+    }
+
+    /// Stops working; the last picture stays.
+    pub fn pause(&mut self) {
+        self.pending = None;
+        self.requested = None;
+        self.worker.pause();
+    }
+
+    /// Sends what is pending, takes the newest picture and has it developed. Once per frame.
+    pub fn update(&mut self, ctx: &Context, display: Display) {
+        if let Some(snapshot) = self.worker.snapshot() {
+            self.snapshot = Some(snapshot);
+        }
+        let shown = self.snapshot.as_ref().map_or(0, |snapshot| snapshot.revision);
+        let is_waiting = self.requested.is_some_and(|(revision, since)| shown < revision && since.elapsed() < PATIENCE);
+        if self.pending.is_some() && is_waiting {
+            ctx.request_repaint_after(PATIENCE / 3);
+        } else if let Some((scene, settings)) = self.pending.take() {
+            self.requested = Some((self.worker.request(scene, settings), Instant::now()));
+        }
+
+        if let Some(snapshot) = &self.snapshot {
+            let is_sent = self.sent.as_ref().is_some_and(|(sent, by)| Arc::ptr_eq(sent, snapshot) && *by == display);
+            if !is_sent {
+                self.developer.send(snapshot.clone(), display);
+                self.sent = Some((snapshot.clone(), display));
+            }
+        }
+        if let Some(image) = self.developer.take() {
+            // A coarse picture keeps its blocks: they say honestly how far it is.
+            let options = TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
+            match &mut self.texture {
+                Some(texture) => texture.set(image, options),
+                None => self.texture = Some(ctx.load_texture("final view", image, options)),
+            }
+        }
+    }
+
+    /// The developed picture.
+    pub fn texture(&self) -> Option<&TextureHandle> {
+        self.texture.as_ref()
+    }
+
+    /// The newest picture of the newest request, with its numbers.
+    pub fn current(&self) -> Option<&Arc<Snapshot>> {
+        let (revision, _) = self.requested?;
+        self.snapshot.as_ref().filter(|snapshot| self.pending.is_none() && snapshot.revision >= revision)
+    }
+
+    /// The newest picture, even of an older request.
+    pub fn newest(&self) -> Option<&Arc<Snapshot>> {
+        self.snapshot.as_ref()
+    }
+}
+
+/// What the developing thread shares with the window.
+#[derive(Default)]
+struct Tray {
+    job: Option<(Arc<Snapshot>, Display)>,
+    image: Option<ColorImage>,
+    is_closing: bool,
+}
+
+/// A thread that turns radiance into screen colours; the newest job wins.
+struct Developer {
+    shared: Arc<(Mutex<Tray>, Condvar)>,
+}
+
+fn lock(tray: &Mutex<Tray>) -> MutexGuard<'_, Tray> {
+    // The tray is whole between two statements, so a panic elsewhere cannot leave it half changed.
+    tray.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Developer {
+    fn new(ctx: Context) -> Self {
+        let shared: Arc<(Mutex<Tray>, Condvar)> = Arc::default();
+        let theirs = shared.clone();
+        std::thread::spawn(move || {
+            let (tray, bell) = &*theirs;
+            loop {
+                let mut open = lock(tray);
+                let (snapshot, display) = loop {
+                    if open.is_closing {
+                        return;
+                    }
+                    if let Some(job) = open.job.take() {
+                        break job;
+                    }
+                    open = bell.wait(open).unwrap_or_else(PoisonError::into_inner);
+                };
+                drop(open);
+                let image = develop(&snapshot, display);
+                lock(tray).image = Some(image);
+                ctx.request_repaint();
+            }
+        });
+        Self { shared }
+    }
+
+    fn send(&self, snapshot: Arc<Snapshot>, display: Display) {
+        lock(&self.shared.0).job = Some((snapshot, display));
+        self.shared.1.notify_one();
+    }
+
+    fn take(&self) -> Option<ColorImage> {
+        lock(&self.shared.0).image.take()
+    }
+}
+
+impl Drop for Developer {
+    fn drop(&mut self) {
+        lock(&self.shared.0).is_closing = true;
+        self.shared.1.notify_one();
+    }
+}
+
+fn develop(snapshot: &Snapshot, display: Display) -> ColorImage {
+    let pixels = snapshot.pixels.iter().map(|p| {
+        let [r, g, b] = display.apply_u8([p[0], p[1], p[2]]);
+        egui::Color32::from_rgb(r, g, b)
+    });
+    let (width, height) = (snapshot.width, snapshot.height);
+    let mut pixels: Vec<_> = pixels.collect();
+    // The image type asserts this; a picture that disagrees with itself is shown padded rather than not at all.
+    pixels.resize(width * height, egui::Color32::BLACK);
+    ColorImage::new([width, height], pixels)
+}

@@ -1,0 +1,136 @@
+//! Messages over the viewport's upper left corner: what failed, what was strange, what went well. They never move anything.
+
+use crate::theme;
+use egui::{Align2, Area, Color32, Frame, Id, Label, Margin, Order, Rect, RichText, Ui, vec2};
+
+/// How much a message matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// Something was done.
+    Info,
+    /// Something is strange; nothing is lost.
+    Warning,
+    /// Something could not be done; nothing is lost.
+    Error,
+}
+
+/// A message.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// How much it matters.
+    pub severity: Severity,
+    /// One sentence.
+    pub text: String,
+    /// When it was first shown, seconds; `None` before that.
+    since: Option<f64>,
+}
+
+/// Seconds after which a message that nobody must act on goes by itself.
+const INFO_SECONDS: f64 = 6.0;
+/// Messages shown at once.
+const MAX_SHOWN: usize = 5;
+
+/// The messages that were not dismissed.
+#[derive(Clone, Debug, Default)]
+pub struct Messages {
+    list: Vec<Message>,
+    /// The newest information, which stays in the status line.
+    last_info: String,
+}
+
+impl Messages {
+    /// Something was done. Shown in the status line.
+    pub fn info(&mut self, text: impl Into<String>) {
+        self.last_info = text.into();
+    }
+
+    /// Something is strange.
+    pub fn warning(&mut self, text: impl Into<String>) {
+        self.push(Severity::Warning, text.into());
+    }
+
+    /// Something failed.
+    pub fn error(&mut self, text: impl Into<String>) {
+        self.push(Severity::Error, text.into());
+    }
+
+    /// A hint that goes by itself.
+    pub fn hint(&mut self, text: impl Into<String>) {
+        self.push(Severity::Info, text.into());
+    }
+
+    fn push(&mut self, severity: Severity, text: String) {
+        self.list.retain(|message| message.text != text);
+        self.list.push(Message { severity, text, since: None });
+    }
+
+    /// What was done last.
+    pub fn last_info(&self) -> &str {
+        &self.last_info
+    }
+
+    /// All messages, oldest first.
+    pub fn iter(&self) -> impl Iterator<Item = &Message> {
+        self.list.iter()
+    }
+
+    /// Shows the messages inside `place`.
+    pub fn show(&mut self, ui: &Ui, place: Rect) {
+        let now = ui.input(|i| i.time);
+        for message in &mut self.list {
+            message.since.get_or_insert(now);
+        }
+        self.list.retain(|m| m.severity != Severity::Info || m.since.is_none_or(|since| now - since < INFO_SECONDS));
+        if self.list.is_empty() {
+            return;
+        }
+        if self.list.iter().any(|m| m.severity == Severity::Info) {
+            ui.ctx().request_repaint_after_secs(1.0);
+        }
+        let mut dismissed = None;
+        Area::new(Id::new("messages"))
+            .order(Order::Middle)
+            .pivot(Align2::LEFT_TOP)
+            .fixed_pos(place.left_top() + vec2(10.0, 10.0))
+            .constrain_to(place)
+            .show(ui.ctx(), |ui| {
+                ui.set_max_width((place.width() - 20.0).clamp(120.0, 560.0));
+                let hidden = self.list.len().saturating_sub(MAX_SHOWN);
+                for (i, message) in self.list.iter().enumerate().skip(hidden) {
+                    show_one(ui, i, message, &mut dismissed);
+                }
+                if hidden > 0 {
+                    ui.label(RichText::new(format!("{hidden} older messages")).small().weak());
+                }
+            });
+        if let Some(index) = dismissed {
+            self.list.remove(index);
+        }
+    }
+}
+
+fn show_one(ui: &mut Ui, index: usize, message: &Message, dismissed: &mut Option<usize>) {
+    let (color, icon) = match message.severity {
+        Severity::Info => (theme::TEXT, "ℹ"),
+        Severity::Warning => (theme::WARNING, "⚠"),
+        Severity::Error => (theme::ERROR, "⊗"),
+    };
+    Frame::new()
+        .fill(Color32::from_black_alpha(215))
+        .stroke((1.0, color.gamma_multiply(0.5)))
+        .corner_radius(4)
+        .inner_margin(Margin::symmetric(8, 5))
+        .show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                ui.label(RichText::new(icon).color(color));
+                ui.scope(|ui| {
+                    ui.set_max_width((ui.available_width() - 28.0).max(60.0));
+                    ui.add(Label::new(RichText::new(&message.text).color(theme::TEXT)).wrap());
+                });
+                let button = ui.add(egui::Button::new("×").frame_when_inactive(false));
+                if button.accessible_name(format!("Dismiss message {}", index + 1)).clicked() {
+                    *dismissed = Some(index);
+                }
+            });
+        });
+}

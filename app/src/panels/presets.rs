@@ -1,0 +1,134 @@
+//! The preset list: grouped, with a filter, and a dot in the colour that makes each one known.
+
+use crate::theme;
+use crate::widgets::color_edit::display_color;
+use burnish_material::{Material, Property};
+use burnish_presets::Preset;
+use egui::{CollapsingHeader, Color32, Label, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, WidgetType, vec2};
+use std::sync::OnceLock;
+
+/// State of the panel.
+#[derive(Clone, Debug, Default)]
+pub struct PresetPanel {
+    filter: String,
+}
+
+/// A preset with what the list shows of it.
+struct Entry {
+    preset: &'static Preset,
+    color: Color32,
+    is_metal: bool,
+    note: String,
+}
+
+fn entries() -> &'static [Entry] {
+    static ENTRIES: OnceLock<Vec<Entry>> = OnceLock::new();
+    ENTRIES.get_or_init(|| {
+        let entry = |preset: &'static Preset| {
+            let material = preset.parse().map(|(file, _)| file.material().clone()).unwrap_or_default();
+            Entry {
+                preset,
+                color: display_color(known_color(&material)),
+                is_metal: material.float(Property::metallic) > 0.5,
+                note: material.notes.clone(),
+            }
+        };
+        burnish_presets::presets().iter().map(entry).collect()
+    })
+}
+
+/// The colour people know a material by: its glow, what it filters, how it scatters, or its surface.
+fn known_color(material: &Material) -> [f64; 3] {
+    if material.float(Property::emission) > 0.0 {
+        return material.color(Property::emission_color);
+    }
+    if material.float(Property::translucency) > 0.5 {
+        if material.switch(Property::scatter) {
+            return material.color(Property::scatter_color);
+        }
+        return material.color(Property::absorption_color);
+    }
+    material.color(Property::base_color)
+}
+
+impl PresetPanel {
+    /// Shows the list; the preset that was clicked.
+    pub fn show(&mut self, ui: &mut Ui, current_name: &str) -> Option<&'static Preset> {
+        ui.add_space(2.0);
+        ui.label(RichText::new("Presets").heading());
+        ui.horizontal(|ui| {
+            let width = ui.available_width() - 26.0;
+            ui.add(TextEdit::singleline(&mut self.filter).hint_text("Filter").desired_width(width)).accessible_name("Filter presets");
+            let clear = ui.add_enabled(!self.filter.is_empty(), egui::Button::new("×").frame_when_inactive(false));
+            if clear.accessible_name("Clear preset filter").clicked() {
+                self.filter.clear();
+            }
+        });
+        ui.add_space(2.0);
+        let mut clicked = None;
+        let found = burnish_presets::search(&self.filter);
+        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            if found.is_empty() {
+                ui.label(RichText::new("No preset has this in its name or tags.").weak());
+            }
+            let is_filtered = !self.filter.trim().is_empty();
+            let mut groups: Vec<&str> = Vec::new();
+            for preset in &found {
+                if !groups.contains(&preset.group) {
+                    groups.push(preset.group);
+                }
+            }
+            for group in groups {
+                let in_group = || entries().iter().filter(|e| e.preset.group == group && found.iter().any(|p| std::ptr::eq(*p, e.preset)));
+                let title = RichText::new(burnish_presets::group_title(group)).color(theme::WEAK);
+                let mut list = |ui: &mut Ui| {
+                    for entry in in_group() {
+                        if row(ui, entry, entry.preset.name == current_name) {
+                            clicked = Some(entry.preset);
+                        }
+                    }
+                };
+                if is_filtered {
+                    ui.label(title);
+                    list(ui);
+                } else {
+                    CollapsingHeader::new(title).id_salt(group).default_open(true).show_unindented(ui, list);
+                }
+            }
+        });
+        clicked
+    }
+}
+
+fn row(ui: &mut Ui, entry: &Entry, is_current: bool) -> bool {
+    let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    let name = entry.preset.name;
+    response.widget_info(|| WidgetInfo::selected(WidgetType::Button, ui.is_enabled(), is_current, name));
+    if ui.is_rect_visible(rect) {
+        let visuals = ui.style().interact_selectable(&response, is_current);
+        if is_current || response.hovered() || response.has_focus() {
+            ui.painter().rect_filled(rect, 3, visuals.weak_bg_fill);
+        }
+        let center = rect.left_center() + vec2(14.0, 0.0);
+        ui.painter().circle_filled(center, 6.5, entry.color);
+        let sheen = if entry.is_metal { 170 } else { 60 };
+        ui.painter().circle_filled(center - vec2(2.0, 2.2), 1.7, Color32::from_white_alpha(sheen));
+        let text_rect = rect.with_min_x(rect.left() + 27.0);
+        let color = if is_current { visuals.text_color() } else { theme::TEXT };
+        let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(text_rect).layout(egui::Layout::left_to_right(egui::Align::Center)));
+        // The row carries the name for readers; the label is its picture only.
+        inner.add(Label::new(RichText::new(name).color(color)).truncate().selectable(false).sense(Sense::empty()));
+    }
+    response
+        .on_hover_ui(|ui| {
+            ui.label(RichText::new(name).strong());
+            if !entry.note.is_empty() {
+                ui.label(&entry.note);
+            }
+            if !entry.preset.source.is_empty() {
+                ui.label(RichText::new(format!("Source: {}", entry.preset.source)).small().weak());
+            }
+        })
+        .clicked()
+}

@@ -1,0 +1,184 @@
+//! The property panel: every row of the table in the specification's groups, a search over the three names, and what the
+//! file says about the material as a whole.
+
+use crate::editor::Document;
+use crate::theme;
+use crate::widgets::number;
+use crate::widgets::value_edit::{LABEL_WIDTH, Row, RowAction, number_field, value_edit};
+use burnish_material::{Group, LOBES, LobeSet, Material, PROPERTIES, Property, PropertyDef, Slot, Unit, ValueSource};
+use egui::text::LayoutJob;
+use egui::{CollapsingHeader, FontId, Rect, RichText, ScrollArea, TextEdit, TextFormat, Ui};
+use std::collections::BTreeMap;
+
+/// State of the panel.
+#[derive(Clone, Debug, Default)]
+pub struct PropertyPanel {
+    search: String,
+    /// Where each row was drawn last, for dropped images.
+    rows: Vec<(Property, Rect)>,
+    /// What the file says about the sources of values, read again when the document comes from another file.
+    sources: BTreeMap<&'static str, ValueSource>,
+    sources_of: Option<Document>,
+}
+
+impl PropertyPanel {
+    /// Shows the panel and edits the document's material in place.
+    pub fn show(&mut self, ui: &mut Ui, document: &mut Document) -> Option<RowAction> {
+        self.read_sources(document);
+        self.rows.clear();
+        let mut action = None;
+        ui.add_space(2.0);
+        ui.label(RichText::new("Properties").heading());
+        ui.horizontal(|ui| {
+            let width = ui.available_width() - 26.0;
+            let edit = TextEdit::singleline(&mut self.search).hint_text("Search the three names").desired_width(width);
+            ui.add(edit).accessible_name("Search properties");
+            let clear = ui.add_enabled(!self.search.is_empty(), egui::Button::new("×").frame_when_inactive(false));
+            if clear.accessible_name("Clear property search").clicked() {
+                self.search.clear();
+            }
+        });
+        ui.add_space(2.0);
+        let query = self.search.trim().to_lowercase();
+        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 3.0;
+            if query.is_empty() {
+                about(ui, document);
+            }
+            let lobes = LobeSet::of(&document.material);
+            let mut is_any_found = false;
+            for group in Group::ALL {
+                let rows: Vec<&'static PropertyDef> =
+                    PROPERTIES.iter().filter(|def| def.group == group && matches(def, &query)).collect();
+                if rows.is_empty() {
+                    continue;
+                }
+                is_any_found = true;
+                let mut body = |ui: &mut Ui| {
+                    for &def in &rows {
+                        action = self.row(ui, def, document, lobes).or(action);
+                    }
+                    ui.add_space(4.0);
+                };
+                if query.is_empty() {
+                    let title = group_title(group, &document.material);
+                    CollapsingHeader::new(title).id_salt(group.title()).default_open(true).show_unindented(ui, body);
+                } else {
+                    ui.label(RichText::new(group.title()).color(theme::WEAK));
+                    body(ui);
+                }
+            }
+            if !is_any_found {
+                ui.label(RichText::new("No property has this in its name.").weak());
+            }
+        });
+        action
+    }
+
+    fn row(&mut self, ui: &mut Ui, def: &'static PropertyDef, document: &mut Document, lobes: LobeSet) -> Option<RowAction> {
+        let old = document.material.slot(def.id);
+        let is_map_loaded = old.texture.as_ref().is_none_or(|texture| document.textures.contains_key(&texture.path));
+        let unreadable = document.file().unreadable().iter().find(|unreadable| unreadable.property == def.id).cloned();
+        let row = Row {
+            unit_mm: document.material.unit_mm(),
+            without_effect: without_effect(def.id, lobes),
+            unreadable: unreadable.as_ref(),
+            source: self.sources.get(def.name),
+            is_map_loaded,
+        };
+        let (response, action) = value_edit(ui, def, document.material.slot_mut(def.id), &row);
+        self.rows.push((def.id, response.rect.intersect(ui.clip_rect())));
+        action
+    }
+
+    /// The property whose row is at a place of the window, if it can have a map.
+    pub fn map_row_at(&self, place: egui::Pos2) -> Option<Property> {
+        let (property, _) = self.rows.iter().find(|(_, rect)| rect.contains(place))?;
+        (property.def().vary != burnish_material::Vary::Uniform).then_some(*property)
+    }
+
+    fn read_sources(&mut self, document: &Document) {
+        if self.sources_of.as_ref().is_some_and(|of| of.shares_origin(document)) {
+            return;
+        }
+        let sources = PROPERTIES.iter().filter_map(|def| Some((def.name, document.file().source_of(def.id)?)));
+        self.sources = sources.collect();
+        self.sources_of = Some(document.clone());
+    }
+}
+
+/// Whether a search text stands in one of the three names.
+fn matches(def: &PropertyDef, query: &str) -> bool {
+    query.is_empty() || [def.label, def.name, def.usage].iter().any(|name| name.to_lowercase().contains(query))
+}
+
+/// Why a property has no effect now: the lobe that uses it is left out.
+pub fn without_effect(property: Property, lobes: LobeSet) -> Option<&'static str> {
+    LOBES.iter().find(|lobe| lobe.properties.contains(&property) && !lobes.has(lobe.lobe)).map(|lobe| lobe.doc)
+}
+
+fn group_title(group: Group, material: &Material) -> LayoutJob {
+    let count = PROPERTIES.iter().filter(|def| def.group == group && *material.slot(def.id) != Slot::default()).count();
+    let mut job = LayoutJob::default();
+    let format = |size, color| TextFormat { font_id: FontId::proportional(size), color, ..Default::default() };
+    job.append(group.title(), 0.0, format(13.5, egui::Color32::from_gray(230)));
+    if count > 0 {
+        job.append(&format!("{count} set"), 8.0, format(11.5, theme::ACCENT));
+    }
+    job
+}
+
+/// Name, unit and provenance of the material.
+fn about(ui: &mut Ui, document: &mut Document) {
+    let unknown = document.file().unknown_keys().len();
+    let material = &mut document.material;
+    CollapsingHeader::new(RichText::new("Material").color(egui::Color32::from_gray(230))).default_open(true).show_unindented(ui, |ui| {
+        text_row(ui, "Name", &mut material.name, false);
+        ui.horizontal(|ui| {
+            label(ui, "Unit of lengths").on_hover_text(
+                "How large one unit of this material's lengths is. Absorption, scattering and height distances are lengths.",
+            );
+            let old = material.unit_mm();
+            if let Some(new) = number_field(ui, "Unit of lengths", old, 70.0, old * 0.01, 1e-6..=1e9, (Unit::None, 1.0)) {
+                material.unit_mm = Some(new);
+            }
+            ui.label(RichText::new(format!("mm    1 unit = {} mm", number::format(old, 4))).small().weak());
+        });
+    });
+    let title = RichText::new("Notes and sources").color(theme::WEAK);
+    CollapsingHeader::new(title).id_salt("notes").default_open(false).show_unindented(ui, |ui| {
+        let mut tags = material.tags.join(", ");
+        if text_row(ui, "Tags", &mut tags, false) {
+            material.tags = tags.split(',').map(|tag| tag.trim().to_owned()).filter(|tag| !tag.is_empty()).collect();
+        }
+        text_row(ui, "Notes", &mut material.notes, true);
+        text_row(ui, "Source", &mut material.provenance.source, false);
+        text_row(ui, "Reference", &mut material.provenance.reference, true);
+        text_row(ui, "Method", &mut material.provenance.method, true);
+        text_row(ui, "Licence", &mut material.provenance.licence, false);
+        if unknown > 0 {
+            let text = format!("{unknown} entries of the file are unknown to this version; they are kept.");
+            ui.label(RichText::new(text).small().weak());
+        }
+    });
+}
+
+fn label(ui: &mut Ui, text: &str) -> egui::Response {
+    let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        ui.set_width(LABEL_WIDTH);
+        ui.label(RichText::new(text).color(theme::TEXT.gamma_multiply(0.8)))
+    })
+    .inner
+}
+
+fn text_row(ui: &mut Ui, name: &str, text: &mut String, is_long: bool) -> bool {
+    ui.horizontal_top(|ui| {
+        label(ui, name);
+        let edit = if is_long { TextEdit::multiline(text).desired_rows(3) } else { TextEdit::singleline(text) };
+        // The field edits a copy where it is only shown, so the document changes by typing alone.
+        let width = ui.available_width();
+        ui.add(edit.desired_width(width)).accessible_name(format!("Material {}", name.to_lowercase())).changed()
+    })
+    .inner
+}

@@ -1,0 +1,251 @@
+//! The middle of the window: the toolbar above the picture, the pictures themselves, and the mouse over them.
+
+use crate::command::Command;
+use crate::editor::{Editor, View, ViewMode};
+use crate::loading::Job;
+use crate::panels::chart;
+use crate::theme;
+use burnish_assets::{ENVIRONMENTS, SHAPES};
+use burnish_renderer::tonemap::DisplayTransform;
+use egui::{
+    Align2, Color32, ComboBox, DragValue, FontId, Label, PointerButton, Rect, Response, RichText, Sense, Slider, SliderClamping,
+    StrokeKind, Ui, WidgetInfo, WidgetType, pos2, vec2,
+};
+
+/// What the toolbar asks for.
+pub enum Wish {
+    /// A named action.
+    Command(Command),
+    /// Another mesh or environment.
+    Load(Job),
+}
+
+/// Shows the toolbar: which view, on what, in which light, how bright.
+pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wish> {
+    let mut wish = None;
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(5.0, 4.0);
+        for (mode, name) in ViewMode::ALL {
+            let command = match mode {
+                ViewMode::Preview => Command::ShowPreview,
+                ViewMode::Final => Command::ShowFinal,
+                ViewMode::Both => Command::ShowBoth,
+            };
+            let is_possible = has_preview || !mode.has_preview();
+            let button = ui.add_enabled(is_possible, egui::Button::selectable(editor.view.mode == mode, name));
+            let keys = command.shortcuts().first().map_or_else(String::new, |keys| ui.ctx().format_shortcut(keys));
+            let button = button.on_hover_text(format!("{}\nkey {keys}; \\ switches", command.tooltip()));
+            if button.on_disabled_hover_text("There is no usable GPU for the preview.").clicked() {
+                wish = Some(Wish::Command(command));
+            }
+        }
+        ui.separator();
+
+        let mesh = editor.model.as_ref().map_or("…", |model| model.name.as_str());
+        let combo = ComboBox::from_id_salt("mesh").width(104.0).truncate().selected_text(mesh).show_ui(ui, |ui| {
+            for def in SHAPES {
+                if ui.selectable_label(mesh == def.label, def.label).clicked() {
+                    wish = Some(Wish::Load(Job::Shape(def.name)));
+                }
+            }
+            ui.separator();
+            if ui.button(Command::LoadModel.text()).clicked() {
+                wish = Some(Wish::Command(Command::LoadModel));
+            }
+        });
+        combo.response.accessible_name("Mesh").on_hover_text("What carries the material; drop a .gltf, .glb or .ply for your own");
+
+        let light = editor.environment.as_ref().map_or("…", |environment| environment.name.as_str());
+        let combo = ComboBox::from_id_salt("environment").width(112.0).truncate().selected_text(light).show_ui(ui, |ui| {
+            for def in ENVIRONMENTS {
+                if ui.selectable_label(light == def.label, def.label).clicked() {
+                    wish = Some(Wish::Load(Job::BuiltInEnvironment(def.name)));
+                }
+            }
+            ui.separator();
+            if ui.button(Command::LoadEnvironment.text()).clicked() {
+                wish = Some(Wish::Command(Command::LoadEnvironment));
+            }
+        });
+        combo.response.accessible_name("Environment").on_hover_text("What lights the scene; drop an .hdr or .exr for your own");
+        let view = &mut editor.view;
+        let rotation = DragValue::new(&mut view.environment_deg).suffix("°").speed(1.0).max_decimals(0).clip_text(true);
+        ui.add(rotation)
+            .accessible_name("Environment rotation")
+            .on_hover_text("Rotation of the environment\nShift + right drag in the picture turns it too");
+        ui.separator();
+
+        display_controls(ui, view);
+    });
+    wish
+}
+
+fn display_controls(ui: &mut Ui, view: &mut View) {
+    ui.spacing_mut().slider_width = 74.0;
+    let exposure = Slider::new(&mut view.display.exposure_ev, -6.0..=6.0)
+        .clamping(SliderClamping::Never)
+        .max_decimals(2)
+        .suffix(" EV");
+    ui.add(exposure).accessible_name("Exposure").on_hover_text("Exposure in stops\nkeys [ and ] change it by a third");
+    let transform = &mut view.display.transform;
+    let name = |transform: DisplayTransform| match transform {
+        DisplayTransform::Neutral => "Neutral",
+        DisplayTransform::Agx => "AgX",
+        DisplayTransform::Aces => "ACES",
+        DisplayTransform::Standard => "Standard",
+    };
+    let combo = ComboBox::from_id_salt("transform").width(78.0).selected_text(name(*transform)).show_ui(ui, |ui| {
+        for (choice, _) in DisplayTransform::ALL {
+            let text = match choice {
+                DisplayTransform::Neutral => "Khronos PBR Neutral: keeps base colours",
+                DisplayTransform::Agx => "AgX: soft highlights, film-like",
+                DisplayTransform::Aces => "ACES: high contrast",
+                DisplayTransform::Standard => "Standard: the sRGB curve alone",
+            };
+            ui.selectable_value(transform, choice, name(choice)).on_hover_text(text);
+        }
+    });
+    combo.response.accessible_name("Display transform").on_hover_text("How radiance becomes screen colours, in both views");
+}
+
+/// Where the pictures go: one rectangle each.
+#[derive(Clone, Copy, Debug)]
+pub struct Layout {
+    /// The whole area.
+    pub all: Rect,
+    /// The preview, if visible.
+    pub preview: Option<Rect>,
+    /// The final view, if visible.
+    pub final_view: Option<Rect>,
+}
+
+impl Layout {
+    /// Splits `all` by the view mode.
+    pub fn of(all: Rect, mode: ViewMode) -> Self {
+        match mode {
+            ViewMode::Preview => Self { all, preview: Some(all), final_view: None },
+            ViewMode::Final => Self { all, preview: None, final_view: Some(all) },
+            ViewMode::Both => {
+                let (left, right) = all.split_left_right_at_fraction(0.5);
+                // Whole points, so that both pictures have the same size.
+                let width = (left.width() - 1.0).floor();
+                Self {
+                    all,
+                    preview: Some(Rect::from_min_size(all.min, vec2(width, all.height()))),
+                    final_view: Some(Rect::from_min_size(pos2(right.right() - width, all.top()), vec2(width, all.height()))),
+                }
+            }
+        }
+    }
+
+    /// Size of one picture in points.
+    pub fn picture_size(&self) -> egui::Vec2 {
+        self.preview.or(self.final_view).unwrap_or(self.all).size()
+    }
+}
+
+/// Takes the rest of the panel and lets the mouse turn, shift and zoom. Returns what was allocated and how it is split.
+pub fn interact(ui: &mut Ui, editor: &mut Editor) -> (Response, Layout) {
+    let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Viewport"));
+    let layout = Layout::of(rect, editor.view.mode);
+    let height = layout.picture_size().y.max(1.0);
+    let view = &mut editor.view;
+    let modifiers = ui.input(|i| i.modifiers);
+
+    let delta = response.drag_delta() / height;
+    let is_turning_light = response.dragged_by(PointerButton::Secondary) && modifiers.shift;
+    if is_turning_light {
+        view.environment_deg = (view.environment_deg + 240.0 * delta.x).rem_euclid(360.0);
+        ui.set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+    } else if response.dragged_by(PointerButton::Middle) || (response.dragged_by(PointerButton::Secondary) && modifiers.command) {
+        view.orbit.pan(delta.x, delta.y);
+        ui.set_cursor_icon(egui::CursorIcon::Move);
+    } else if response.dragged_by(PointerButton::Secondary) {
+        view.orbit.zoom(2.5 * (delta.x - delta.y));
+        ui.set_cursor_icon(egui::CursorIcon::ResizeVertical);
+    } else if response.dragged_by(PointerButton::Primary) {
+        view.orbit.turn(delta.x, delta.y);
+        ui.set_cursor_icon(egui::CursorIcon::Grabbing);
+    }
+    if response.hovered() {
+        let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+        if scroll != 0.0 {
+            view.orbit.zoom(scroll * 0.0025);
+        }
+        if pinch != 1.0 && pinch > 0.0 {
+            view.orbit.zoom(pinch.ln());
+        }
+    }
+    (response, layout)
+}
+
+/// What the viewport needs to show one of its pictures.
+pub struct Picture<'a> {
+    /// The texture, once there is one.
+    pub texture: Option<egui::TextureId>,
+    /// The word in the corner.
+    pub name: &'a str,
+    /// A second line under the name.
+    pub note: String,
+    /// Why there is no picture, if there never will be one.
+    pub problem: Option<&'a str>,
+}
+
+/// Paints one picture into its rectangle. Returns whether the way out of a problem was clicked.
+pub fn paint(ui: &mut Ui, rect: Rect, picture: &Picture, is_named: bool) -> bool {
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0, theme::SURROUND);
+    if let Some(problem) = picture.problem {
+        return paint_problem(ui, rect, problem);
+    }
+    match picture.texture {
+        Some(texture) => {
+            painter.image(texture, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+        }
+        None => {
+            painter.text(rect.center(), Align2::CENTER_CENTER, "preparing…", FontId::proportional(14.0), theme::WEAK);
+        }
+    }
+    if is_named {
+        let font = FontId::proportional(12.0);
+        let text = if picture.note.is_empty() { picture.name.to_owned() } else { format!("{}   {}", picture.name, picture.note) };
+        let galley = painter.layout_no_wrap(text, font, Color32::from_gray(225));
+        let place = pos2(rect.left() + 10.0, rect.bottom() - galley.size().y - 10.0);
+        painter.rect_filled(Rect::from_min_size(place, galley.size()).expand2(vec2(6.0, 3.0)), 3, Color32::from_black_alpha(150));
+        painter.galley(place, galley, Color32::WHITE);
+    }
+    false
+}
+
+fn paint_problem(ui: &mut Ui, rect: Rect, problem: &str) -> bool {
+    let mut inner = ui.new_child(
+        egui::UiBuilder::new()
+            .max_rect(Rect::from_center_size(rect.center(), vec2(rect.width().min(440.0), 130.0)))
+            .layout(egui::Layout::top_down(egui::Align::Center)),
+    );
+    inner.label(RichText::new("⚠ No usable GPU for the preview").size(16.0).color(theme::WARNING));
+    inner.add(Label::new(RichText::new(format!("Reason: {problem}.")).color(theme::TEXT)).wrap());
+    inner.label(RichText::new("The final view needs none and works on.").color(theme::TEXT));
+    inner.add_space(6.0);
+    inner.button("Show final view").clicked()
+}
+
+/// Paints the error chart into the lower right corner of the final view.
+pub fn paint_chart(ui: &Ui, rect: Rect, history: &[(f64, f64)], goal_relmse: Option<f64>) {
+    if rect.width() < chart::SIZE.x + 40.0 || rect.height() < chart::SIZE.y + 80.0 {
+        return;
+    }
+    let place = Rect::from_min_size(rect.max - chart::SIZE - vec2(10.0, 10.0), chart::SIZE);
+    chart::paint(&ui.painter_at(rect), place, history, goal_relmse);
+}
+
+/// Shows over the whole window what dropping the hovered files would do.
+pub fn paint_drop_hint(ctx: &egui::Context, text: &str, is_refused: bool) {
+    let rect = ctx.content_rect();
+    let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::new("drop hint")));
+    let color = if is_refused { theme::ERROR } else { theme::ACCENT };
+    painter.rect_filled(rect, 0, Color32::from_black_alpha(150));
+    painter.rect_stroke(rect.shrink(6.0), 6, (3.0, color), StrokeKind::Inside);
+    painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(22.0), color);
+}

@@ -1,0 +1,6 @@
+//! Controls that a property needs and egui does not have.
+
+pub mod color_edit;
+pub mod number;
+pub mod texture_slot;
+pub mod value_edit;

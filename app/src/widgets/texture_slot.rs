@@ -1,0 +1,101 @@
+//! The map of a property: its path, choosing and clearing it, and how it is read.
+
+use crate::theme;
+use crate::widgets::value_edit::{LABEL_WIDTH, RowAction, number_field};
+use burnish_material::{Channel, ColorSpace, Kind, PropertyDef, TextureRef, Unit, Wrap};
+use egui::{Label, Popup, PopupCloseBehavior, RichText, Ui, vec2};
+
+/// Shows the map line under a property and edits the reference in place.
+pub fn texture_slot(
+    ui: &mut Ui,
+    def: &PropertyDef,
+    texture: &mut Option<TextureRef>,
+    is_loaded: bool,
+    action: &mut Option<RowAction>,
+) {
+    ui.horizontal(|ui| {
+        ui.add_space(LABEL_WIDTH + ui.spacing().item_spacing.x);
+        ui.spacing_mut().button_padding = vec2(5.0, 1.0);
+        let Some(reference) = texture else {
+            if ui.button("Choose map…").accessible_name(format!("{} map", def.label)).clicked() {
+                *action = Some(RowAction::ChooseMap(def.id));
+            }
+            ui.label(RichText::new("or drop an image").small().weak());
+            return;
+        };
+        let mut is_cleared = false;
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.button("×").accessible_name(format!("Remove {} map", def.label)).on_hover_text("Remove the map").clicked() {
+                is_cleared = true;
+            }
+            let settings = ui.button("⚙").accessible_name(format!("{} map settings", def.label));
+            let settings = settings.on_hover_text("Channel, colour space, wrap and placement");
+            Popup::menu(&settings)
+                .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
+                .show(|ui| settings_grid(ui, def, reference));
+            if ui.button("…").accessible_name(format!("{} map", def.label)).on_hover_text("Choose another image").clicked() {
+                *action = Some(RowAction::ChooseMap(def.id));
+            }
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                let (color, hint) = if is_loaded { (theme::ACCENT, "") } else { (theme::WARNING, "⚠ ") };
+                let name = reference.path.rsplit('/').next().unwrap_or(&reference.path);
+                let label = ui.add(Label::new(RichText::new(format!("{hint}{name}")).small().color(color)).truncate());
+                let note = if is_loaded { "" } else { "\nThis image is not loaded; the value is used instead." };
+                label.on_hover_text(format!("{}{note}", reference.path));
+            });
+        });
+        if is_cleared {
+            *texture = None;
+        }
+    });
+}
+
+fn settings_grid(ui: &mut Ui, def: &PropertyDef, reference: &mut TextureRef) {
+    ui.label(RichText::new(format!("{} map", def.label)).strong());
+    egui::Grid::new("map settings").num_columns(2).spacing(vec2(12.0, 5.0)).show(ui, |ui| {
+        let name = |what: &str| format!("{} map {what}", def.label);
+        if def.default.kind() == Kind::Float {
+            ui.label("Channel");
+            choice(ui, &name("channel"), &mut reference.channel, Channel::ALL);
+            ui.end_row();
+        }
+        ui.label("Colour space");
+        choice(ui, &name("colour space"), &mut reference.color_space, ColorSpace::ALL);
+        ui.end_row();
+        ui.label("Wrap");
+        choice(ui, &name("wrap"), &mut reference.wrap, Wrap::ALL);
+        ui.end_row();
+        ui.label("Repeat");
+        pair(ui, &name("repeat"), &mut reference.uv_scale, 0.02);
+        ui.end_row();
+        ui.label("Offset");
+        pair(ui, &name("offset"), &mut reference.uv_offset, 0.005);
+        ui.end_row();
+        ui.label("Rotation");
+        let rotation = reference.uv_rotation;
+        if let Some(v) = number_field(ui, &name("rotation, degrees"), rotation, 62.0, 0.5, f64::MIN..=f64::MAX, (Unit::None, 1.0)) {
+            reference.uv_rotation = v;
+        }
+        ui.end_row();
+    });
+}
+
+fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T, &'static str)]) {
+    let word = all.iter().find(|(choice, _)| choice == value).map_or("", |(_, word)| word);
+    let combo = egui::ComboBox::from_id_salt(name).selected_text(word).show_ui(ui, |ui| {
+        for (choice, word) in all {
+            ui.selectable_value(value, *choice, *word);
+        }
+    });
+    combo.response.accessible_name(name);
+}
+
+fn pair(ui: &mut Ui, name: &str, value: &mut [f64; 2], speed: f64) {
+    ui.horizontal(|ui| {
+        for (x, axis) in value.iter_mut().zip(["u", "v"]) {
+            if let Some(v) = number_field(ui, &format!("{name} {axis}"), *x, 62.0, speed, f64::MIN..=f64::MAX, (Unit::None, 1.0)) {
+                *x = v;
+            }
+        }
+    });
+}

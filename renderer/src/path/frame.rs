@@ -1,0 +1,183 @@
+//! Local frames at hits: interpolated attributes, normal maps, and normals bent so that the viewer is on the right side.
+
+use super::geometry::Geometry;
+use super::sampler::MAX_LANES;
+use crate::bvh::Hit;
+use crate::lanes::{Lanes, Mask};
+use crate::vector::V3;
+
+/// Least cosine between shading normal and viewer.
+const COS_VIEWER_MIN: f64 = 1e-3;
+
+/// What lies at the hits of one group of lanes, world space in normalised units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point<L> {
+    /// The hit, from the vertices: nearer to the surface than the ray's end.
+    pub position: V3<L>,
+    /// Geometric normal, outwards.
+    pub ng: V3<L>,
+    /// Interpolated normal, on the side of the geometric one.
+    pub n: V3<L>,
+    /// Interpolated tangent, and the sign of the bitangent.
+    pub tangent: (V3<L>, L),
+    /// Texture coordinate.
+    pub uv: [L; 2],
+}
+
+/// Axes of the shading frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<L> {
+    /// Tangent, x.
+    pub t: V3<L>,
+    /// Bitangent, y.
+    pub b: V3<L>,
+    /// Normal, z.
+    pub n: V3<L>,
+}
+
+impl<L: Lanes> Frame<L> {
+    /// World direction into the frame.
+    #[inline(always)]
+    pub(super) fn local(&self, w: V3<L>) -> V3<L> {
+        V3::new(w.dot(self.t), w.dot(self.b), w.dot(self.n))
+    }
+
+    /// Local direction into the world.
+    #[inline(always)]
+    pub(super) fn world(&self, w: V3<L>) -> V3<L> {
+        self.t.scale(w.x) + self.b.scale(w.y) + self.n.scale(w.z)
+    }
+
+    /// A frame with any tangent. Source: Duff et al. 2017.
+    #[inline(always)]
+    pub(super) fn around(n: V3<L>) -> Self {
+        let one = L::one();
+        let sign = L::select(n.z.lt(L::zero()), -one, one);
+        let a = -(one / (sign + n.z));
+        let b = n.x * n.y * a;
+        Self { t: V3::new(one + sign * n.x * n.x * a, sign * b, -(sign * n.x)), b: V3::new(b, sign + n.y * n.y * a, -n.y), n }
+    }
+
+    /// A frame along the tangent of the mesh; any tangent where it is parallel to the normal.
+    #[inline(always)]
+    pub(super) fn along(n: V3<L>, (tangent, sign): (V3<L>, L)) -> Self {
+        let t = tangent - n.scale(n.dot(tangent));
+        let is_short = t.length_squared().lt(L::of(1e-12));
+        let t = V3::select(is_short, Self::around(n).t, t).normalize();
+        Self { t, b: n.cross(t).scale(sign), n }
+    }
+}
+
+/// Attributes at the hits. Tangents and texture coordinates are read only where asked for.
+#[inline(always)]
+pub(super) fn point<L: Lanes>(geometry: &Geometry, hits: &[Hit; MAX_LANES], needs_tangent: bool, needs_uv: bool) -> Point<L> {
+    let mut corners = [[0usize; MAX_LANES]; 3];
+    let mut triangle = [0usize; MAX_LANES];
+    for i in 0..L::WIDTH {
+        triangle[i] = hits[i].triangle as usize;
+        let t = &geometry.triangles[triangle[i]];
+        for c in 0..3 {
+            corners[c][i] = t[c] as usize;
+        }
+    }
+    let u = L::from_fn(|i| hits[i].u);
+    let v = L::from_fn(|i| hits[i].v);
+    let w = L::one() - u - v;
+    let attribute = |k: usize| {
+        let at = |c: usize| L::from_fn(|i| geometry.vertices[corners[c][i]][k]);
+        at(0) * w + at(1) * u + at(2) * v
+    };
+    let vector = |k: usize| V3::new(attribute(k), attribute(k + 1), attribute(k + 2));
+    let normal = |k: usize| L::from_fn(|i| geometry.normals[triangle[i]][k]);
+    let ng = V3::new(normal(0), normal(1), normal(2));
+    let n = vector(3);
+    let n = V3::select(n.length_squared().lt(L::of(1e-12)), ng, n.normalize());
+    let n = V3::select(n.dot(ng).lt(L::zero()), -n, n);
+    let tangent = if needs_tangent {
+        let w = attribute(9);
+        (vector(6), L::select(w.lt(L::zero()), -L::one(), L::one()))
+    } else {
+        (V3::new(L::one(), L::zero(), L::zero()), L::one())
+    };
+    let uv = if needs_uv { [attribute(10), attribute(11)] } else { [L::zero(); 2] };
+    Point { position: vector(0), ng, n, tangent, uv }
+}
+
+/// Strength of a normal map on a direction of the tangent frame (model reference 13): above 1 the slopes grow, below 1 the angle shrinks.
+#[inline(always)]
+pub(super) fn scale_normal<L: Lanes>(n: [L; 3], scale: f64) -> V3<L> {
+    let n = V3::new(n[0], n[1], n[2]).normalize();
+    let flat = V3::new(L::zero(), L::zero(), L::one());
+    let slope = (n.x * n.x + n.y * n.y).sqrt();
+    let is_flat = slope.lt(L::of(1e-8)) | !slope.is_finite();
+    if scale > 1.0 {
+        return V3::select(is_flat, flat, V3::new(n.x * L::of(scale), n.y * L::of(scale), n.z).normalize());
+    }
+    // The angle to z, by a half-angle arc tangent that the lanes offer as a map: normal maps are rare and this is exact.
+    let mut sine = [0.0f32; MAX_LANES];
+    let mut cosine = [0.0f32; MAX_LANES];
+    for i in 0..L::WIDTH {
+        let (s, c) = (slope.lane(i).atan2(n.z.lane(i)) * scale.max(0.0) as f32).sin_cos();
+        (sine[i], cosine[i]) = (s, c);
+    }
+    let factor = L::from_fn(|i| sine[i]) / L::select(is_flat, L::one(), slope);
+    V3::select(is_flat, flat, V3::new(n.x * factor, n.y * factor, L::from_fn(|i| cosine[i])))
+}
+
+/// The shading normal, bent where the viewer (`wo`, on the side `is_front` of the geometric normal) would see its back.
+#[inline(always)]
+pub(super) fn facing<L: Lanes>(n: V3<L>, wo: V3<L>, is_front: L::Mask) -> V3<L> {
+    let sign = L::select(is_front, L::one(), -L::one());
+    let cosine = sign * wo.dot(n);
+    let lack = L::of(COS_VIEWER_MIN) - cosine;
+    let is_back = lack.gt(L::zero());
+    if !is_back.any() {
+        return n;
+    }
+    V3::select(is_back, (n + wo.scale(sign * lack)).normalize(), n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn v(x: f32, y: f32, z: f32) -> V3<f32> {
+        V3::new(x, y, z).normalize()
+    }
+
+    #[test]
+    fn frames_are_orthonormal() {
+        for n in [v(0.0, 0.0, 1.0), v(0.0, 0.0, -1.0), v(1.0, 2.0, -3.0), v(1.0, 0.0, 0.0), v(0.0, -1.0, 1e-4)] {
+            for f in [Frame::around(n), Frame::along(n, (v(1.0, 0.3, 0.0), 1.0)), Frame::along(n, (n, 1.0))] {
+                for (a, b) in [(f.t, f.b), (f.t, f.n), (f.b, f.n)] {
+                    assert!(a.dot(b).abs() < 1e-5, "{f:?}");
+                }
+                for a in [f.t, f.b, f.n] {
+                    assert!((a.length_squared() - 1.0).abs() < 1e-5, "{f:?}");
+                }
+                assert!(f.t.cross(f.b).dot(f.n) > 0.999, "{f:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn normals_scale_as_specified() {
+        let n = [0.6f32, 0.0, 0.8];
+        let angle = |n: V3<f32>| n.x.atan2(n.z);
+        assert!((angle(scale_normal(n, 1.0)) - 0.6f32.atan2(0.8)).abs() < 1e-6);
+        assert!((angle(scale_normal(n, 0.5)) - 0.5 * 0.6f32.atan2(0.8)).abs() < 1e-6);
+        assert!((angle(scale_normal(n, 2.0)) - 1.2f32.atan2(0.8)).abs() < 1e-6);
+        assert_eq!(angle(scale_normal(n, 0.0)), 0.0);
+        assert_eq!(angle(scale_normal([0.0f32; 3], 1.0)), 0.0);
+    }
+
+    #[test]
+    fn bent_normals_face_the_viewer() {
+        for (wo, n) in [(v(1.0, 0.0, 0.05), v(-0.5, 0.0, 1.0)), (v(1.0, 0.0, -0.05), v(0.5, 0.0, 1.0)), (v(0.0, 0.0, 1.0), v(0.0, 0.0, 1.0))] {
+            let is_front = wo.z > 0.0;
+            let bent = facing(n, wo, is_front);
+            let cosine = bent.dot(wo) * if is_front { 1.0 } else { -1.0 };
+            assert!(cosine > 0.9e-3, "{cosine}");
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! All triangles of a scene in one tree, in units of the edited object's size, and what shading needs at a hit.
+
+use crate::bvh::{Bvh, Ray};
+use crate::scene::{Object, Scene};
+use burnish_assets::Mesh;
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+/// Position, normal, tangent with handedness, texture coordinate of a vertex.
+pub(super) type Vertex = [f32; 12];
+
+/// Triangles in normalised units: the offset that leaves a surface is made for coordinates of order 1, so a scene of any size
+/// renders the same picture.
+#[derive(Debug)]
+pub(super) struct Geometry {
+    sources: Vec<(Arc<Mesh>, bool)>,
+    /// Scene point that becomes the origin.
+    center: DVec3,
+    /// Normalised units per scene unit; a power of two, so that coordinates keep their digits.
+    pub scale: f64,
+    /// The tree; triangle numbers are positions in `triangles`.
+    pub bvh: Bvh,
+    /// Vertex attributes of all meshes.
+    pub vertices: Vec<Vertex>,
+    /// Three vertices and the object.
+    pub triangles: Vec<[u32; 4]>,
+    /// Unit geometric normals, outwards, by triangle.
+    pub normals: Vec<[f32; 3]>,
+}
+
+impl Geometry {
+    /// Collects the triangles. Those that use vertices which do not exist are left out.
+    pub(super) fn new(scene: &Scene) -> Self {
+        let bounds = scene.document_bounds();
+        let radius = f64::from(bounds.radius());
+        let exponent = if radius.is_finite() && radius > 0.0 { radius.log2().round().clamp(-120.0, 120.0) } else { 0.0 };
+        let center = bounds.center().as_dvec3();
+        let mut geometry = Self {
+            sources: sources(&scene.objects).collect(),
+            center: if center.is_finite() { center } else { DVec3::ZERO },
+            scale: (-exponent).exp2(),
+            bvh: Bvh::default(),
+            vertices: Vec::new(),
+            triangles: Vec::new(),
+            normals: Vec::new(),
+        };
+        let mut corners = Vec::new();
+        for (number, object) in scene.objects.iter().enumerate() {
+            geometry.add(&object.mesh, number as u32, &mut corners);
+        }
+        geometry.bvh = Bvh::new(&corners);
+        geometry
+    }
+
+    /// Whether this is the geometry of the scene.
+    pub(super) fn is_of(&self, scene: &Scene) -> bool {
+        self.sources.len() == scene.objects.len()
+            && self.sources.iter().zip(sources(&scene.objects)).all(|(a, b)| Arc::ptr_eq(&a.0, &b.0) && a.1 == b.1)
+    }
+
+    fn add(&mut self, mesh: &Mesh, object: u32, corners: &mut Vec<[Vec3; 3]>) {
+        let first = self.vertices.len() as u32;
+        for (i, p) in mesh.positions.iter().enumerate() {
+            let p = self.normalized(*p);
+            let n = mesh.normals.get(i).copied().unwrap_or(Vec3::ZERO);
+            let t = mesh.tangents.get(i).copied().unwrap_or(glam::Vec4::ZERO);
+            let uv = mesh.uvs.get(i).copied().unwrap_or_default();
+            self.vertices.push([p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y]);
+        }
+        for t in &mesh.triangles {
+            if t.iter().any(|&i| i as usize >= mesh.positions.len()) {
+                continue;
+            }
+            let t = t.map(|i| i + first);
+            let points = t.map(|i| {
+                let v = &self.vertices[i as usize];
+                Vec3::new(v[0], v[1], v[2])
+            });
+            let [a, b, c] = points.map(|p| p.as_dvec3());
+            let n = (b - a).cross(c - a).try_normalize().unwrap_or(DVec3::Y).as_vec3();
+            self.triangles.push([t[0], t[1], t[2], object]);
+            self.normals.push(n.to_array());
+            corners.push(points);
+        }
+    }
+
+    /// A scene point in normalised units.
+    pub(super) fn normalized(&self, p: Vec3) -> Vec3 {
+        ((p.as_dvec3() - self.center) * self.scale).as_vec3()
+    }
+
+    /// The object that holds a point (normalised units), if any: the one whose surface a ray leaves first without having entered
+    /// it. Three rays vote, because one may run through a crack of an open mesh.
+    pub(super) fn object_around(&self, point: Vec3) -> Option<u32> {
+        let votes = [Vec3::new(0.36, 0.48, 0.8), Vec3::new(-0.8, 0.36, 0.48), Vec3::new(0.48, -0.8, -0.36)].map(|d| {
+            let mut depth: Vec<(u32, i32)> = Vec::new();
+            let mut ray = Ray::new(point, d);
+            for _ in 0..1000 {
+                let hit = self.bvh.closest(&ray);
+                if hit.is_miss() {
+                    return None;
+                }
+                let object = self.triangles[hit.triangle as usize][3];
+                let is_exit = Vec3::from(self.normals[hit.triangle as usize]).dot(d) > 0.0;
+                let position = depth.iter().position(|e| e.0 == object).unwrap_or_else(|| {
+                    depth.push((object, 0));
+                    depth.len() - 1
+                });
+                depth[position].1 += if is_exit { -1 } else { 1 };
+                if depth[position].1 < 0 {
+                    return Some(object);
+                }
+                ray.t_min = hit.t;
+                ray.excluded = hit.triangle;
+            }
+            None
+        });
+        if votes[0] == votes[1] || votes[0] == votes[2] { votes[0] } else if votes[1] == votes[2] { votes[1] } else { None }
+    }
+}
+
+fn sources(objects: &[Object]) -> impl Iterator<Item = (Arc<Mesh>, bool)> + '_ {
+    objects.iter().map(|o| (o.mesh.clone(), o.is_document))
+}
+
+/// A point moved off its surface along `n` (unit, to the side where the ray goes on), just beyond its rounding error. Per
+/// component. Source: Waechter and Binder, Ray Tracing Gems 2019, chapter 6.
+#[inline(always)]
+pub(super) fn offset(p: f32, n: f32) -> f32 {
+    const NEAR_ZERO: f32 = 1.0 / 32.0;
+    let steps = (256.0 * n) as i32;
+    let moved = f32::from_bits((p.to_bits() as i32).wrapping_add(if p < 0.0 { -steps } else { steps }) as u32);
+    if p.abs() < NEAR_ZERO { p + n * (1.0 / 65536.0) } else { moved }
+}

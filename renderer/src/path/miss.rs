@@ -1,0 +1,49 @@
+//! Fourth stage: light of the environment on paths that left the scene, and of the connections that were free.
+
+use super::PassStats;
+use super::batch::{Paths, Shadows};
+use super::prepared::Prepared;
+use super::sampler::MAX_LANES;
+use super::shade::{add, lane_of, load};
+use crate::lanes::{Kernel, Lanes};
+use crate::vector::{Rgb, V3};
+
+/// Adds the environment's light to the paths of `list`.
+pub(super) struct Miss<'a> {
+    pub prepared: &'a Prepared,
+    pub list: &'a [u32],
+    pub paths: &'a mut Paths,
+    pub stats: &'a mut PassStats,
+}
+
+impl Kernel for Miss<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { prepared, list, paths, stats } = self;
+        for ids in list.chunks(L::WIDTH) {
+            let id: [usize; MAX_LANES] = std::array::from_fn(|i| ids[if i < ids.len() { i } else { 0 }] as usize);
+            let [x, y, z] = load::<L>(&paths.direction, &id);
+            let (radiance, light_pdf) = prepared.light.eval(V3::new(x, y, z));
+            let pdf = L::from_fn(|i| paths.pdf[id[i]]);
+            // Density 0: a camera ray or a delta lobe, which light sampling cannot replace.
+            let weight = L::select(pdf.gt(L::zero()), pdf / (pdf + light_pdf).max(L::of(1e-30)), L::one());
+            // Nothing arrives through an absorbing medium without end.
+            let sigma = load::<L>(&paths.sigma, &id).map(|s| L::select(s.gt(L::zero()), L::zero(), L::one()));
+            let light = (Rgb(load(&paths.throughput, &id)) * radiance * Rgb(sigma)).scale(weight);
+            for (i, id) in id.iter().enumerate().take(ids.len()) {
+                add(paths, stats, *id, lane_of(light, i));
+            }
+        }
+    }
+}
+
+/// Adds the light of the connections that are not blocked.
+pub(super) fn accumulate(paths: &mut Paths, shadows: &Shadows, stats: &mut PassStats) {
+    for (i, path) in shadows.paths.iter().enumerate() {
+        if !shadows.blocked[i] {
+            add(paths, stats, *path as usize, shadows.contributions[i]);
+        }
+    }
+}

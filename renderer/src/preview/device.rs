@@ -1,0 +1,72 @@
+//! Getting a device: what the preview asks for, a device without a window, and everything that can go wrong.
+
+use std::fmt;
+
+/// Why the preview cannot draw. Each is a state that the application shows, not a crash.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PreviewError {
+    /// There is no graphics adapter, not even a software one.
+    NoAdapter(String),
+    /// The adapter gave no device.
+    NoDevice(String),
+    /// A shader was refused; the text names file and line.
+    Shader(String),
+    /// A texture or buffer could not be made.
+    Memory(String),
+    /// A picture was asked for before any was drawn.
+    NothingDrawn,
+    /// The picture could not be read back.
+    ReadBack(String),
+}
+
+impl fmt::Display for PreviewError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoAdapter(why) => write!(f, "No graphics adapter was found, so there is no live preview: {why}"),
+            Self::NoDevice(why) => write!(f, "The graphics adapter could not be opened, so there is no live preview: {why}"),
+            Self::Shader(why) => write!(f, "The graphics driver refused a shader of the preview: {why}"),
+            Self::Memory(why) => write!(f, "The graphics adapter has no memory left for the preview: {why}"),
+            Self::NothingDrawn => f.write_str("The preview has not drawn anything yet."),
+            Self::ReadBack(why) => write!(f, "The preview's picture could not be read from the graphics adapter: {why}"),
+        }
+    }
+}
+
+impl std::error::Error for PreviewError {}
+
+/// What the preview needs from a device, for whoever makes it: the default limits of WebGPU and no feature.
+///
+/// Where the adapter offers less (OpenGL), its own limits; the preview then does what it can.
+pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    let limits = if adapter.get_info().backend == wgpu::Backend::Gl {
+        wgpu::Limits::downlevel_defaults().using_resolution(adapter.limits())
+    } else {
+        wgpu::Limits::default()
+    };
+    wgpu::DeviceDescriptor { label: Some("preview"), required_limits: limits, ..Default::default() }
+}
+
+/// A device without a window: a real GPU if there is one, else a software adapter.
+pub fn headless_device() -> Result<(wgpu::Adapter, wgpu::Device, wgpu::Queue), PreviewError> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
+    let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(|e| PreviewError::NoAdapter(e.to_string()))?;
+    let (device, queue) =
+        pollster::block_on(adapter.request_device(&device_descriptor(&adapter))).map_err(|e| PreviewError::NoDevice(e.to_string()))?;
+    Ok((adapter, device, queue))
+}
+
+/// Runs `work` and returns what it made, or the first error of this kind that the device reported meanwhile.
+pub(super) fn guarded<T>(
+    device: &wgpu::Device,
+    filter: wgpu::ErrorFilter,
+    wrap: impl Fn(String) -> PreviewError,
+    work: impl FnOnce() -> T,
+) -> Result<T, PreviewError> {
+    let scope = device.push_error_scope(filter);
+    let made = work();
+    match pollster::block_on(scope.pop()) {
+        None => Ok(made),
+        Some(error) => Err(wrap(error.to_string())),
+    }
+}

@@ -1,0 +1,37 @@
+// What every pass of the preview is given: camera, light, floor and tables. Mirrors `FrameBlock` in `upload.rs`.
+
+struct Frame {
+    // Camera position; w: distance of the near plane.
+    origin: vec4f,
+    // Camera axes over the squares of their lengths: dot products with them give picture coordinates at distance 1.
+    right_inverse: vec4f,
+    up_inverse: vec4f,
+    // Camera axes with half the picture's extent at distance 1 as lengths.
+    right: vec4f,
+    up: vec4f,
+    forward: vec4f,
+    // xy: shift of the picture in clip space for anti-aliasing; zw: pixels.
+    jitter: vec4f,
+    // Cosine and sine of the environment's rotation, its factor, and its number of mip levels.
+    environment: vec4f,
+    // x, z: centre of the floor map; y: height of the floor; w: half its width, or 0 without a floor.
+    floor: vec4f,
+    // Mean radiance of the floor under an environment of factor 1; w: half the width of the floor itself.
+    floor_mean: vec4f,
+    // x: number of the first sample; y: samples per lobe; z: samples that the light is filtered for; w: 1 with baked light.
+    samples: vec4f,
+    // Sphere about the edited object.
+    body: vec4f,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var environment_map: texture_2d<f32>;
+@group(0) @binding(2) var environment_sampler: sampler;
+@group(0) @binding(3) var irradiance_map: texture_2d<f32>;
+@group(0) @binding(4) var floor_light: texture_2d<f32>;
+@group(0) @binding(5) var floor_color: texture_2d<f32>;
+@group(0) @binding(6) var floor_sampler: sampler;
+@group(0) @binding(7) var<storage, read> albedo_tables: array<f32>;
+
+// Numbers that a half float holds: radiance beyond is cut, which no display shows.
+const RADIANCE_MAX: f32 = 60000.0;

@@ -1,0 +1,202 @@
+// Light on objects. Reflections are sampled from the lobes themselves, the same directions in every pixel, and each
+// sample sees the light averaged over its share of directions: clean in one frame, exact in many.
+
+// Numbers in [0, 1)^3 that fill the cube evenly, whichever stretch of the sequence is taken (Roberts 2018).
+fn sequence(index: f32) -> vec3f {
+    return fract(vec3f(0.5) + index * vec3f(0.8191725134, 0.6710436067, 0.5497004779));
+}
+
+// A surface point in the world.
+struct Surface {
+    position: vec3f,
+    // Axes of the shading frame; n is on the outside of the body.
+    t: vec3f,
+    b: vec3f,
+    n: vec3f,
+    // Share of directions above the surface that the body itself covers.
+    self_share: f32,
+    // Spherical harmonics of what covers the sky nearby, and the irradiance that what is there receives.
+    covered_a: vec4f,
+    covered_b: vec4f,
+    covered_c: vec4f,
+}
+
+fn to_world(s: Surface, v: vec3f) -> vec3f {
+    return s.t * v.x + s.b * v.y + s.n * v.z;
+}
+
+fn to_local(s: Surface, v: vec3f) -> vec3f {
+    return vec3f(dot(v, s.t), dot(v, s.b), dot(v, s.n));
+}
+
+// How far direction `d` is covered by something near, in [0, 1].
+fn coverage(s: Surface, d: vec3f) -> f32 {
+    let linear = vec4f(0.2820948, 0.4886025 * d.y, 0.4886025 * d.z, 0.4886025 * d.x);
+    let square = vec4f(1.0925484 * d.x * d.y, 1.0925484 * d.y * d.z, 0.3153916 * (3.0 * d.z * d.z - 1.0), 1.0925484 * d.x * d.z);
+    let last = 0.5462742 * (d.x * d.x - d.y * d.y);
+    let c = dot(s.covered_a, linear) + dot(s.covered_b, square) + s.covered_c.x * last;
+    // Nine coefficients cannot follow an edge: what rings around the true 0 and 1 is cut off.
+    return saturate((c - 0.1) * 1.25);
+}
+
+// Radiance from `d` at the surface, nearby things included.
+fn arriving(s: Surface, d: vec3f, angle: f32, near_radiance: vec3f) -> vec3f {
+    let far = incoming(s.position, d, angle);
+    if frame.samples.w < 0.5 {
+        return far;
+    }
+    return mix(far, near_radiance, coverage(s, d));
+}
+
+// Width in radians of the cone that one sample of density `pdf` stands for.
+fn sample_angle(pdf: f32) -> f32 {
+    return sqrt(1.0 / max(frame.samples.z * pdf, 1e-6));
+}
+
+// Colour that light keeps when the surface sends it on, all directions together.
+fn reflected_color(o: Optics) -> vec3f {
+    return o.base_color * (o.w_metal + o.w_diffuse) + vec3f(0.04 * (1.0 - o.w_metal));
+}
+
+// Reflected radiance of all lobes but the diffuse one.
+fn reflections(prepared: Bsdf, s: Surface, near_radiance: vec3f) -> vec3f {
+    var b = prepared;
+    b.p_diffuse = 0.0;
+    b.diffuse_scale = 0.0;
+    let total = b.p_coat + b.p_sheen + b.p_interface;
+    if total <= 0.0 {
+        return vec3f(0.0);
+    }
+    b.p_coat = b.p_coat / total;
+    b.p_sheen = b.p_sheen / total;
+    b.p_interface = b.p_interface / total;
+
+    // Every lobe gets its own samples: choosing lobes at random would show as steps between neighbouring pixels.
+    let each = u32(frame.samples.y);
+    var coat_count = 0u;
+    if HAS_COAT && b.p_coat > 0.0 {
+        coat_count = select(each, 1u, b.optics.coat_is_smooth);
+    }
+    var sheen_count = 0u;
+    if HAS_SHEEN && b.p_sheen > 0.0 {
+        sheen_count = each;
+    }
+    var base_count = 0u;
+    if b.p_interface > 0.0 {
+        base_count = select(each, 1u, b.optics.is_smooth);
+    }
+    var radiance = vec3f(0.0);
+    for (var i = 0u; i < coat_count + sheen_count + base_count; i++) {
+        var choice = 0.5 * b.p_coat;
+        var share = b.p_coat / f32(max(coat_count, 1u));
+        var k = i;
+        if i >= coat_count + sheen_count {
+            choice = b.p_coat + b.p_sheen + 0.5 * b.p_interface;
+            share = b.p_interface / f32(max(base_count, 1u));
+            k = i - coat_count - sheen_count;
+        } else if i >= coat_count {
+            choice = b.p_coat + 0.5 * b.p_sheen;
+            share = b.p_sheen / f32(max(sheen_count, 1u));
+            k = i - coat_count;
+        }
+        let u = sequence(frame.samples.x + f32(k));
+        let drawn = bsdf_sample(b, vec4f(choice, u.xy, 0.0));
+        var reflect_share = 1.0;
+        if HAS_TRANSMISSION && i >= coat_count + sheen_count {
+            let h = unit_or_z(b.wo + bsdf_mirrored(b, drawn.wi));
+            let facet = bsdf_interface(b, saturate(dot(b.wo, h)));
+            reflect_share = bsdf_p_reflect(b, facet.reflected, facet.transmitted);
+            // The same facet, refracted.
+            let bent = bsdf_sample(b, vec4f(choice, u.xy, 0.9999999));
+            if bent.is_transmission && bent.is_valid && reflect_share < 1.0 {
+                let weight = bent.weight * (share * (1.0 - reflect_share));
+                let angle = select(sample_angle(bent.pdf), 0.0, bent.is_delta || bent.pdf <= 0.0);
+                radiance += weight * through_body(b.optics, s, to_world(s, bent.wi), angle, u);
+            }
+        }
+        if drawn.is_valid && !drawn.is_transmission {
+            let angle = select(sample_angle(drawn.pdf), 0.0, drawn.is_delta || drawn.pdf <= 0.0);
+            radiance += drawn.weight * (share * reflect_share) * arriving(s, to_world(s, drawn.wi), angle, near_radiance);
+        }
+    }
+    return radiance;
+}
+
+// Diffuse radiance under irradiance `light`. The coupling with the reflecting surface takes its mean over all light.
+fn diffuse(b: Bsdf, light: vec3f) -> vec3f {
+    let mean = dielectric_albedo_mean(b.optics.eta_specular, b.optics.roughness);
+    var layers = b.below_coat;
+    if HAS_COAT {
+        // Mean exponent of the coat's tint over cosine-weighted directions: model reference 8.3.
+        layers = layers * exp(b.optics.coat_ln_tint * 0.546);
+    }
+    return b.optics.base_color * (b.diffuse_scale * (1.0 - mean) * b.below_sheen) * layers * light;
+}
+
+// Direction of a normal map in tangent space, stronger or weaker by `scale`: model reference 13.
+fn scaled_normal(map: vec3f, scale: f32) -> vec3f {
+    let n = unit_or_z(map);
+    if scale > 1.0 {
+        return unit_or_z(vec3f(n.xy * scale, n.z));
+    }
+    let across = length(n.xy);
+    let angle = atan2(across, n.z) * max(scale, 0.0);
+    return vec3f(n.xy * (sin(angle) / max(across, 1e-6)), cos(angle));
+}
+
+@fragment
+fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
+    let place = MapPlace(in.uv, dpdx(in.uv), dpdy(in.uv));
+    var rows = object.rows;
+    if HAS_TEXTURES {
+        rows = mapped_rows(rows, place);
+    }
+    let inputs = inputs_from_rows(rows);
+    let optics = interpret(inputs, object.params.x);
+
+    var s: Surface;
+    s.position = in.position;
+    let n = unit_or_z(in.normal);
+    let t = unit_or_z(in.tangent.xyz - n * dot(n, in.tangent.xyz));
+    let b = cross(n, t) * select(1.0, -1.0, in.tangent.w < 0.0);
+    s.n = n;
+    if HAS_NORMAL_MAP {
+        let m = scaled_normal(inputs.normal, inputs.normal_scale);
+        s.n = unit_or_z(t * m.x + b * m.y + n * m.z);
+    }
+    // An open sheet is the same seen from behind.
+    let outward = select(-1.0, 1.0, is_front);
+    s.n = s.n * outward;
+    s.t = unit_or_z(t - s.n * dot(s.n, t));
+    s.b = cross(s.n, s.t) * select(1.0, -1.0, in.tangent.w < 0.0);
+    s.self_share = in.baked_light.w;
+    s.covered_a = in.covered_a;
+    s.covered_b = in.covered_b;
+    s.covered_c = in.covered_c;
+
+    // Light on the surface: open sky and floor, less what is covered; between the body's own walls it goes to and fro.
+    var light = open_irradiance(s.n);
+    if object.params.y > 0.5 {
+        light = floor_irradiance(s.position);
+    } else if frame.samples.w > 0.5 {
+        light = max(light + in.baked_light.xyz, vec3f(0.0));
+    }
+    let bounce = reflected_color(optics) * min(s.self_share, 0.9);
+    light = light * frame.environment.z / (1.0 - bounce);
+    let near_radiance = reflected_color(optics) * light * FRAC_1_PI;
+
+    let toward = normalize(frame.origin.xyz - s.position);
+    var wo = to_local(s, toward);
+    // Interpolated normals turn away a little before the surface does.
+    wo = unit_or_z(vec3f(wo.xy, max(wo.z, 0.02)));
+    let prepared = bsdf_prepare(optics, wo, vec3f(1.0));
+    var radiance = reflections(prepared, s, near_radiance);
+    if HAS_DIFFUSE {
+        radiance += diffuse(prepared, light);
+    }
+    if HAS_EMISSION {
+        radiance += optics.emission;
+    }
+    radiance = clamp(radiance, vec3f(0.0), vec3f(RADIANCE_MAX));
+    return vec4f(radiance * optics.opacity, optics.opacity);
+}

@@ -1,0 +1,203 @@
+//! Joins WGSL files to shaders and finds the file that an error is in.
+//!
+//! There is no preprocessor: declarations may stand in any order, so a shader is a list of files one after the other, and
+//! lobes are switched by `override` constants that the lobe table prints.
+
+use crate::bsdf::tables::{CONTRASTS, COSINES, ROUGHNESSES, tables};
+use crate::lanes::Lanes;
+use burnish_material::{ASM_MATERIAL_WGSL, LOBES, PROPERTIES, Vary};
+use std::fmt::Write;
+
+/// A piece of a shader: where it comes from and its text.
+pub(super) type Piece = (&'static str, String);
+
+macro_rules! file {
+    ($path:literal) => {
+        ($path, include_str!(concat!("../", $path)).to_owned())
+    };
+}
+
+/// Constants that are written once in Rust: lobe switches, table sizes, the smallest alpha, and which rows may be textured.
+fn printed() -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    for def in LOBES {
+        _ = writeln!(text, "override {}: bool = true;", def.switch);
+    }
+    _ = writeln!(text, "const ALPHA_MIN: f32 = {:e};", <f32 as Lanes>::ALPHA_MIN);
+    for (name, value) in [
+        ("CONTRASTS", CONTRASTS),
+        ("ROUGHNESSES", ROUGHNESSES),
+        ("COSINES", COSINES),
+        ("ALBEDO_MEAN_BEGIN", tables().albedo.len()),
+        ("SHEEN_BEGIN", tables().albedo.len() + tables().albedo_mean.len()),
+    ] {
+        _ = writeln!(text, "const {name}: u32 = {value};");
+    }
+    text
+}
+
+/// The function that puts textures in the place of values, row by row of the property table.
+fn mapped_rows() -> String {
+    let mut text = "fn mapped_rows(given: MaterialRows, place: MapPlace) -> MaterialRows {\n    var rows = given;\n".to_owned();
+    for def in PROPERTIES.iter().filter(|def| def.vary != Vary::Uniform) {
+        _ = writeln!(text, "    rows.{0} = mapped(rows.{0}, place);", def.name);
+    }
+    text + "    return rows;\n}\n"
+}
+
+/// The lobes, without anything that draws: they need an array `albedo_tables` beside them.
+fn twins() -> Vec<Piece> {
+    vec![
+        ("printed constants", printed()),
+        ("asm_material.gen.wgsl", ASM_MATERIAL_WGSL.to_owned()),
+        file!("bsdf/numbers.wgsl"),
+        file!("bsdf/fresnel.wgsl"),
+        file!("bsdf/ggx.wgsl"),
+        file!("bsdf/coat.wgsl"),
+        file!("bsdf/sheen.wgsl"),
+        file!("bsdf/tables.wgsl"),
+        file!("bsdf/interpret.wgsl"),
+        file!("bsdf/bsdf.wgsl"),
+    ]
+}
+
+/// The shader that draws objects and background.
+pub(super) fn scene_pieces() -> Vec<Piece> {
+    let mut pieces = twins();
+    pieces.extend([
+        file!("preview/frame.wgsl"),
+        file!("preview/object.wgsl"),
+        ("mapped rows", mapped_rows()),
+        file!("preview/vertex.wgsl"),
+        file!("preview/environment.wgsl"),
+        file!("preview/refraction.wgsl"),
+        file!("preview/lighting.wgsl"),
+    ]);
+    pieces
+}
+
+/// The shader that averages frames and shows them.
+pub(super) fn output_pieces() -> Vec<Piece> {
+    vec![file!("tonemap.wgsl"), file!("preview/output.wgsl")]
+}
+
+/// The source of a shader.
+pub(super) fn join(pieces: &[Piece]) -> String {
+    pieces.iter().map(|(_, text)| text.as_str()).collect::<Vec<_>>().join("\n")
+}
+
+/// `file:line` of a line (from 1) of the joined source.
+pub(super) fn place_of(pieces: &[Piece], line: usize) -> String {
+    let mut left = line;
+    for (name, text) in pieces {
+        // A file that ends in a line break is followed by the empty line that `join` puts in.
+        let lines = text.split('\n').count();
+        if left <= lines {
+            return format!("{name}:{left}");
+        }
+        left -= lines;
+    }
+    format!("line {line}")
+}
+
+/// The message of a refused shader with the places in it translated: `wgsl:120:5` becomes `bsdf/ggx.wgsl:14:5`.
+pub(super) fn translate(pieces: &[Piece], message: &str) -> String {
+    let mut out = String::new();
+    let mut rest = message;
+    while let Some(at) = rest.find("wgsl:") {
+        out.push_str(&rest[..at]);
+        let tail = &rest[at + 5..];
+        let digits = tail.len() - tail.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        match tail[..digits].parse::<usize>() {
+            Ok(line) => out.push_str(&place_of(pieces, line)),
+            Err(_) => {
+                out.push_str("wgsl:");
+                out.push_str(&tail[..digits]);
+            }
+        }
+        rest = &tail[digits..];
+    }
+    out + rest
+}
+
+/// The twins of the lobes with `extra` after them: for tests that call a twin through the very code that draws.
+///
+/// `extra` holds the entry points and may use bindings of group 1; group 0 binding 0 is the array of the albedo tables,
+/// to be filled with [`albedo_table_values`].
+pub fn twin_shader(extra: &str) -> String {
+    let mut pieces = twins();
+    pieces.push(("table binding", "@group(0) @binding(0) var<storage, read> albedo_tables: array<f32>;\n".to_owned()));
+    pieces.push(file!("tonemap.wgsl"));
+    pieces.push(("entry points", extra.to_owned()));
+    join(&pieces)
+}
+
+/// What `albedo_tables` holds in every shader.
+pub fn albedo_table_values() -> Vec<f32> {
+    let t = tables();
+    [&t.albedo[..], &t.albedo_mean, &t.sheen].concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use burnish_material::{Lobe, LobeSet};
+    use wgpu::naga;
+
+    fn parse(pieces: &[Piece]) -> naga::Module {
+        let source = join(pieces);
+        match naga::front::wgsl::parse_str(&source) {
+            Ok(module) => module,
+            Err(e) => panic!("{}", translate(pieces, &e.emit_to_string(&source))),
+        }
+    }
+
+    fn validate(module: &naga::Module, what: &str) {
+        let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+        if let Err(e) = validator.validate(module) {
+            panic!("{what}: {e:?}");
+        }
+    }
+
+    #[test]
+    fn joined_shaders_are_valid() {
+        validate(&parse(&output_pieces()), "output");
+        let scene = parse(&scene_pieces());
+        validate(&scene, "scene");
+        let extra = "@compute @workgroup_size(1) fn main() { _ = fresnel(0.5, 1.5); _ = display_apply(vec3f(1.0), 0.0, 0u); }";
+        let twin = twin_shader(extra);
+        validate(&naga::front::wgsl::parse_str(&twin).unwrap(), "twins");
+    }
+
+    #[test]
+    fn every_lobe_set_is_valid() {
+        let scene = parse(&scene_pieces());
+        let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+        let info = validator.validate(&scene).unwrap();
+        let mut sets = vec![LobeSet::all(), LobeSet::EMPTY];
+        for (i, a) in LOBES.iter().enumerate() {
+            sets.push(LobeSet::all().without(a.lobe));
+            sets.push(LobeSet::EMPTY.with(a.lobe));
+            sets.extend(LOBES[i + 1..].iter().map(|b| LobeSet::EMPTY.with(a.lobe).with(b.lobe)));
+        }
+        for set in sets {
+            let constants: naga::back::PipelineConstants =
+                LOBES.iter().map(|def| (def.switch.to_owned(), f64::from(u8::from(set.has(def.lobe))))).collect();
+            let entry = Some((naga::ShaderStage::Fragment, "fragment_object"));
+            if let Err(e) = naga::back::pipeline_constants::process_overrides(&scene, &info, entry, &constants) {
+                panic!("{:?}: {e:?}", set.names(true));
+            }
+        }
+        assert!(LobeSet::all().has(Lobe::coat));
+    }
+
+    #[test]
+    fn places_point_into_files() {
+        let pieces: Vec<Piece> = vec![("a.wgsl", "1\n2\n".to_owned()), ("b.wgsl", "1\n2".to_owned())];
+        assert_eq!(join(&pieces), "1\n2\n\n1\n2");
+        assert_eq!(place_of(&pieces, 2), "a.wgsl:2");
+        assert_eq!(place_of(&pieces, 5), "b.wgsl:2");
+        assert_eq!(translate(&pieces, "  wgsl:5:3 here"), "  b.wgsl:2:3 here");
+    }
+}

@@ -1,0 +1,261 @@
+//! Rendering in the background: the newest request wins, the newest picture is published.
+//!
+//! A request shows a coarse picture first (some milliseconds), then finer ones, then passes at full resolution until a rule ends
+//! them; the finished picture stays until the next request. Trees and tables are kept from request to request.
+
+use crate::path::render::Plan;
+use crate::path::{ErrorEstimate, Film, PassStats, Prepared, Settings, StopReason, render_pass};
+use crate::scene::Scene;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+/// Pixels of the first coarse picture at most: about 10 ms on one thread.
+const COARSE_PIXELS: usize = 16_384;
+
+/// A picture on its way to being finished.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// The request that it belongs to.
+    pub revision: u64,
+    /// Columns of this picture; the request's divided by `scale`, rounded up.
+    pub width: usize,
+    /// Rows of this picture.
+    pub height: usize,
+    /// Linear Rec.709 radiance and coverage, row by row from the top.
+    pub pixels: Vec<[f32; 4]>,
+    /// Samples per pixel.
+    pub spp: u32,
+    /// 1: full resolution; 4: a quarter of the columns and rows.
+    pub scale: u32,
+    /// Seconds of rendering at full resolution.
+    pub seconds: f64,
+    /// Estimated error.
+    pub error: Option<ErrorEstimate>,
+    /// Paths per second.
+    pub samples_per_second: f64,
+    /// Why rendering ended; `None` while it goes on.
+    pub done: Option<StopReason>,
+    /// Seconds and estimated error after each pass.
+    pub history: Vec<(f64, f64)>,
+    /// Contributions dropped because they were not finite or negative.
+    pub nonfinite: u64,
+    /// Seconds from the request being taken up to its first picture.
+    pub first_image_seconds: f64,
+}
+
+/// A background renderer. Dropping it ends its thread.
+pub struct Worker {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Shared {
+    /// Requests so far; whoever works on an older one gives up.
+    revision: AtomicU64,
+    state: Mutex<State>,
+    changed: Condvar,
+    threads: usize,
+    on_image: Box<dyn Fn() + Send + Sync>,
+}
+
+#[derive(Default)]
+struct State {
+    request: Option<(u64, Arc<Scene>, Settings)>,
+    snapshot: Option<Arc<Snapshot>>,
+    is_ending: bool,
+}
+
+impl Worker {
+    /// A worker that renders with `threads` threads (the caller leaves one core to the window) and calls `on_image` from its own
+    /// thread whenever there is a newer picture.
+    pub fn new(threads: usize, on_image: Box<dyn Fn() + Send + Sync>) -> Self {
+        let shared = Arc::new(Shared {
+            revision: AtomicU64::new(0),
+            state: Mutex::default(),
+            changed: Condvar::new(),
+            threads: threads.max(1),
+            on_image,
+        });
+        let of_thread = shared.clone();
+        let thread = std::thread::Builder::new().name("final view".to_owned()).spawn(move || run(&of_thread)).ok();
+        Self { shared, thread }
+    }
+
+    /// Replaces whatever is being rendered; never waits. Returns the revision that snapshots of this request carry. The worker's number of
+    /// threads holds, not that of the settings.
+    pub fn request(&self, scene: Arc<Scene>, settings: Settings) -> u64 {
+        let mut state = self.shared.lock();
+        let revision = self.shared.revision.fetch_add(1, Ordering::SeqCst) + 1;
+        state.request = Some((revision, scene, settings));
+        drop(state);
+        self.shared.changed.notify_all();
+        revision
+    }
+
+    /// Stops working and keeps the last picture. The next request starts again.
+    pub fn pause(&self) {
+        let mut state = self.shared.lock();
+        state.request = None;
+        self.shared.revision.fetch_add(1, Ordering::SeqCst);
+    }
+
+    /// The newest picture; older than the newest request until that has one.
+    pub fn snapshot(&self) -> Option<Arc<Snapshot>> {
+        self.shared.lock().snapshot.clone()
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.shared.lock().is_ending = true;
+        self.pause();
+        self.shared.changed.notify_all();
+        if let Some(thread) = self.thread.take() {
+            // A panic of the render thread has been reported by the panic hook; there is nothing to add while dropping.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // All changes under the lock are single assignments, so the state is whole even after a panic elsewhere.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn is_stale(&self, revision: u64) -> bool {
+        self.revision.load(Ordering::Relaxed) != revision
+    }
+
+    /// Shows a picture unless a newer request has come. False if one has.
+    fn publish(&self, snapshot: Snapshot) -> bool {
+        let mut state = self.lock();
+        if self.is_stale(snapshot.revision) {
+            return false;
+        }
+        state.snapshot = Some(Arc::new(snapshot));
+        drop(state);
+        (self.on_image)();
+        true
+    }
+}
+
+/// The thread: waits for requests and works on the newest one.
+fn run(shared: &Shared) {
+    let mut prepared: Option<Prepared> = None;
+    loop {
+        let mut state = shared.lock();
+        let request = loop {
+            if state.is_ending {
+                return;
+            }
+            if let Some(request) = state.request.take() {
+                break request;
+            }
+            state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        };
+        drop(state);
+        let (revision, scene, settings) = request;
+        let start = Instant::now();
+        let made = Prepared::new(&scene, prepared.as_ref());
+        let job = Job { shared, prepared: &made, revision, settings, start };
+        // `None` means that a newer request waits.
+        let _ = job.run();
+        prepared = Some(made);
+    }
+}
+
+/// One request being worked on.
+struct Job<'a> {
+    shared: &'a Shared,
+    prepared: &'a Prepared,
+    revision: u64,
+    settings: Settings,
+    start: Instant,
+}
+
+impl Job<'_> {
+    /// All pictures of a request. `None` if a newer one has come.
+    fn run(&self) -> Option<()> {
+        let (width, height) = (self.settings.width.max(1), self.settings.height.max(1));
+        let mut scale = 1;
+        while (width / scale) * (height / scale) > COARSE_PIXELS {
+            scale *= 2;
+        }
+        let mut first_image_seconds = None;
+        while scale > 1 {
+            let mut film = Film::new(width.div_ceil(scale), height.div_ceil(scale));
+            let begin = Instant::now();
+            let stats = self.pass(&mut film, 1)?;
+            let first = *first_image_seconds.get_or_insert_with(|| self.start.elapsed().as_secs_f64());
+            let rate = stats.samples as f64 / begin.elapsed().as_secs_f64().max(1e-9);
+            let snapshot = Snapshot { scale: scale as u32, first_image_seconds: first, ..self.snapshot(&film, &stats, 0.0, rate) };
+            self.publish(snapshot)?;
+            scale /= 2;
+        }
+        let mut film = Film::new(width, height);
+        let mut plan = Plan::new(self.settings.stop);
+        let mut total = PassStats::default();
+        let mut seconds = 0.0;
+        let mut history = Vec::new();
+        let mut error = None;
+        loop {
+            let next = plan.next(film.spp(), seconds, error.as_ref());
+            let Ok(step) = next else {
+                let rate = total.samples as f64 / f64::max(seconds, 1e-9);
+                let last = Snapshot {
+                    done: next.err(),
+                    error,
+                    history,
+                    first_image_seconds: first_image_seconds.unwrap_or_default(),
+                    ..self.snapshot(&film, &total, seconds, rate)
+                };
+                return self.publish(last);
+            };
+            let begin = Instant::now();
+            total.add(&self.pass(&mut film, step)?);
+            seconds += begin.elapsed().as_secs_f64();
+            error = film.error();
+            history.extend(error.map(|e| (seconds, e.relmse)));
+            let first = *first_image_seconds.get_or_insert_with(|| self.start.elapsed().as_secs_f64());
+            let rate = total.samples as f64 / seconds.max(1e-9);
+            let snapshot = Snapshot {
+                error,
+                history: history.clone(),
+                first_image_seconds: first,
+                ..self.snapshot(&film, &total, seconds, rate)
+            };
+            self.publish(snapshot)?;
+        }
+    }
+
+    fn pass(&self, film: &mut Film, spp: u32) -> Option<PassStats> {
+        let cancel = || self.shared.is_stale(self.revision);
+        render_pass(self.prepared, film, spp, self.settings.seed, self.shared.threads, &cancel)
+    }
+
+    fn publish(&self, snapshot: Snapshot) -> Option<()> {
+        self.shared.publish(snapshot).then_some(())
+    }
+
+    fn snapshot(&self, film: &Film, stats: &PassStats, seconds: f64, samples_per_second: f64) -> Snapshot {
+        let pixels = film.mean().into_iter().zip(film.alpha()).map(|([r, g, b], a)| [r, g, b, a]).collect();
+        Snapshot {
+            revision: self.revision,
+            width: film.width,
+            height: film.height,
+            pixels,
+            spp: film.spp(),
+            scale: 1,
+            seconds,
+            error: None,
+            samples_per_second,
+            done: None,
+            history: Vec::new(),
+            nonfinite: stats.nonfinite + stats.negative,
+            first_image_seconds: 0.0,
+        }
+    }
+}
