@@ -215,6 +215,11 @@ impl Command {
         matches!(self, Self::LoadModel | Self::SavePng | Self::Quit | Self::ResetAll | Self::Frame | Self::ExposureUp | Self::TogglePanels)
     }
 
+    /// Whether a text field has its own meaning for the keys: undo there takes back typing.
+    fn is_own_to_text_fields(self) -> bool {
+        matches!(self, Self::Undo | Self::Redo)
+    }
+
     /// The commands whose keys were pressed. Keys that type or move a cursor are left to a text field that has the focus.
     pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
         let is_typing = ctx.text_edit_focused();
@@ -224,7 +229,7 @@ impl Command {
                 Self::ALL.iter().flat_map(|&command| command.shortcuts().iter().map(move |keys| (command, keys))).collect();
             keys.sort_by_key(|(_, keys)| std::cmp::Reverse(u8::from(keys.modifiers.shift) + u8::from(keys.modifiers.command)));
             keys.into_iter()
-                .filter(|(_, keys)| !(is_typing && keys.conflicts_with_text_editing()))
+                .filter(|(command, keys)| !is_typing || !(keys.conflicts_with_text_editing() || command.is_own_to_text_fields()))
                 .filter(|(_, keys)| input.consume_shortcut(keys))
                 .map(|(command, _)| command)
                 .collect()

@@ -73,7 +73,8 @@ fn everything_is_read() {
 
 #[test]
 fn edits_change_only_their_own_text() {
-    let cases: &[(&str, &str, &dyn Fn(&mut Material))] = &[
+    type Case<'a> = (&'a str, &'a str, &'a dyn Fn(&mut Material));
+    let cases: &[Case] = &[
         ("0.71e0", "0.72", &|m| _ = m.set(P::base_color, Value::Color([1.0, 0.72, 0.31]))),
         ("\"metallic\": 1,", "\"metallic\": 0.5,", &set(P::metallic, 0.5)),
         ("3e-1", "0.125", &set(P::roughness, 0.125)),

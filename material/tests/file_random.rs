@@ -35,7 +35,7 @@ fn text() -> impl Strategy<Value = String> {
 }
 
 fn quoted(text: &str) -> String {
-    ron::to_string(text).unwrap()
+    ron::to_string(text).expect("every text has a spelling")
 }
 
 /// Blanks and comments that may stand between any two tokens.

@@ -161,7 +161,7 @@ fn inputs_enforce_hard_limits_only() {
 /// Compares a generated file with its source; `UPDATE_GENERATED=1` writes it instead.
 fn expect_current(path: &str, current: &str, generated: &str) {
     if std::env::var_os("UPDATE_GENERATED").is_some() {
-        std::fs::write(format!("{}/{path}", env!("CARGO_MANIFEST_DIR")), generated).unwrap();
+        std::fs::write(format!("{}/{path}", env!("CARGO_MANIFEST_DIR")), generated).expect("the source folder is writable");
         return;
     }
     assert!(current == generated, "{path} is out of date; run: UPDATE_GENERATED=1 cargo test -p burnish-material --test table");

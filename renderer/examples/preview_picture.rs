@@ -10,7 +10,7 @@ use std::time::Instant;
 fn main() {
     let args: Vec<String> = std::env::args().collect();
     let (shape, env, out, frames) = (&args[1], &args[2], &args[3], args[4].parse::<u32>().unwrap());
-    let size: u32 = 512;
+    let size: u32 = std::env::var("SIZE").map_or(512, |s| s.parse().unwrap());
     let model: ModelMeshes = make_shape(shape).unwrap().into();
     let mut m = Material::named("x");
     let mut transform = DisplayTransform::Neutral;
@@ -42,7 +42,7 @@ fn main() {
     let t = Instant::now();
     p.set_scene(&device, &queue, &scene);
     println!("set_scene {:?} {:?}", t.elapsed(), p.error());
-    let mut draw = |p: &mut Preview, what: &str| {
+    let draw = |p: &mut Preview, what: &str| {
         let t = Instant::now();
         let mut enc = device.create_command_encoder(&Default::default());
         let more = p.draw(&device, &queue, &mut enc, size, size, Display::default());
@@ -61,10 +61,12 @@ fn main() {
     s2.camera.fov_deg += 2e-4;
     p.set_scene(&device, &queue, &s2);
     draw(&mut p, "frame 0 again");
+    let cpu = || { let s = std::fs::read_to_string("/proc/self/stat").unwrap(); let f: Vec<&str> = s.rsplit(") ").next().unwrap().split(' ').collect(); f[11].parse::<f64>().unwrap() / 100.0 };
     let t = Instant::now();
+    let c = cpu();
     p.set_scene(&device, &queue, &scene);
     let pixels = p.render(&device, &queue, size, size, frames).unwrap();
-    println!("render {frames}: {:?} steps {}", t.elapsed(), p.steps());
+    println!("render {frames}: {:?} steps {} cpu {:.0} ms per step", t.elapsed(), p.steps(), (cpu() - c) * 1e3 / p.steps() as f64);
     let d = Display { transform, ..Default::default() };
     let mut ppm = format!("P6 {size} {size} 255\n").into_bytes();
     let mut sum = [0f64; 3];

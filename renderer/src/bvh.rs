@@ -115,7 +115,8 @@ impl Bvh {
             max_prims_per_leaf: BLOCK as u32,
             ..BvhBuildParams::medium_build()
         };
-        let binary = build_bvh2_from_tris(&kept, params, &mut Duration::ZERO);
+        let mut build_time = Duration::ZERO;
+        let binary = build_bvh2_from_tris(&kept, params, &mut build_time);
         let mut builder = Collapse { binary: &binary, triangles, ids: &ids, bvh: Self::default() };
         builder.run();
         builder.bvh

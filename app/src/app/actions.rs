@@ -360,7 +360,7 @@ impl App {
     pub(super) fn ask_about_unsaved(&mut self, ctx: &Context) {
         let Some(after) = self.asking.clone() else { return };
         let title = self.editor.document.title();
-        let response = Modal::new(egui::Id::new("unsaved")).show(ctx, |ui| {
+        let response = Modal::new(egui::Id::unique("unsaved")).show(ctx, |ui| {
             ui.set_width(340.0);
             ui.heading("Unsaved changes");
             ui.add_space(4.0);

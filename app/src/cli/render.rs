@@ -7,11 +7,13 @@ use super::scene_options::{LoadedScene, SceneOptions, positive};
 use super::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::export::{self, Format, Layer, LayerKind, Picture};
 use burnish_material::{LobeSet, MaterialFile};
-use burnish_renderer::path::{self, ErrorEstimate, Prepared, Progress, Settings, StopReason, StopRules};
+use burnish_renderer::path::{self, ErrorEstimate, Film, Prepared, Progress, Settings, StopReason, StopRules};
 use burnish_renderer::preview::{self, Preview};
 use burnish_renderer::scene::Scene;
 use burnish_renderer::tonemap::{Display, DisplayTransform};
 use clap::Args;
+use egui_wgpu::wgpu;
+use glam::Vec3;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -178,9 +180,7 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         return Err(CliError::Interrupted);
     }
     let film = &rendering.film;
-    let rgb = film.mean();
-    let alpha = if arguments.transparent { film.alpha() } else { vec![1.0; rgb.len()] };
-    let pixels = rgb.iter().zip(&alpha).map(|([r, g, b], a)| [*r, *g, *b, *a]).collect();
+    let pixels = if arguments.transparent { without_background(&loaded.scene, film) } else { opaque(&film.mean()) };
     let mut layers = Vec::new();
     if !arguments.aov.is_empty() {
         let surfaces = surfaces(arguments, loaded);
@@ -190,7 +190,7 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
                 LayerKind::Normal => split(&surfaces.normal),
                 LayerKind::Depth => vec![surfaces.depth.clone()],
                 LayerKind::Variance => split(&film.variance()),
-                LayerKind::Samples => vec![vec![film.spp() as f32; rgb.len()]],
+                LayerKind::Samples => vec![vec![film.spp() as f32; loaded.width * loaded.height]],
             };
             layers.push(Layer { kind: *kind, planes });
         }
@@ -204,8 +204,42 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         stop_reason: rendering.stop_reason.word(),
         error: film.error(),
         nonfinite: rendering.nonfinite,
-        lobes: rendering.lobes,
+        lobes: lobes(&loaded.scene),
     })
+}
+
+fn opaque(mean: &[[f32; 3]]) -> Vec<[f32; 4]> {
+    mean.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect()
+}
+
+/// The picture less the environment that shows beside the objects, multiplied by coverage.
+///
+/// A film does not keep apart what arrived from where, so at edges the environment's mean over the pixel is taken off by
+/// the share of samples that met nothing. That is exact where the environment is smooth within a pixel.
+fn without_background(scene: &Scene, film: &Film) -> Vec<[f32; 4]> {
+    /// Directions per side of a pixel.
+    const GRID: usize = 4;
+    let (width, height) = (film.width, film.height);
+    let basis = scene.camera.basis(width as f32 / height as f32);
+    let background = |x: usize, y: usize| {
+        let within = |cell: usize| (cell as f32 + 0.5) / GRID as f32;
+        let sum = (0..GRID * GRID).fold(Vec3::ZERO, |sum, cell| {
+            let (u, v) = (x as f32 + within(cell % GRID), y as f32 + within(cell / GRID));
+            sum + scene.environment.radiance(basis.direction(u / width as f32, v / height as f32))
+        });
+        sum / (GRID * GRID) as f32
+    };
+    let pixels = film.mean().into_iter().zip(film.alpha()).enumerate();
+    pixels
+        .map(|(i, (mean, alpha))| {
+            let color = match alpha {
+                0.0 => Vec3::ZERO,
+                1.0 => Vec3::from(mean),
+                _ => (Vec3::from(mean) - (1.0 - alpha) * background(i % width, i / width)).max(Vec3::ZERO),
+            };
+            color.extend(alpha).to_array()
+        })
+        .collect()
 }
 
 /// What the camera sees first; left empty unless a layer asks for it.
@@ -245,33 +279,38 @@ fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Mes
     let display = Display { exposure_ev: arguments.scene.exposure_ev(), transform: arguments.display_transform };
     let frames = arguments.spp.unwrap_or(PREVIEW_FRAMES);
     let start = Instant::now();
-    let (mut drawn, mut first_image_seconds) = (0, 0.0);
+    // The first frame waits for everything that the window would show later.
+    preview.render(&device, &queue, width, height, 1).map_err(unusable)?;
+    let first_image_seconds = start.elapsed().as_secs_f64();
+    let mut drawn = 1;
     let stop_reason = loop {
         interrupt::check()?;
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let would_refine = preview.draw(&device, &queue, &mut encoder, width, height, display);
-        queue.submit([encoder.finish()]);
-        drawn += 1;
-        if drawn == 1 {
-            preview.read_linear(&device, &queue).map_err(unusable)?;
-            first_image_seconds = start.elapsed().as_secs_f64();
-        }
-        if !would_refine {
-            break "converged";
-        }
         if drawn >= frames {
             break StopReason::Spp.word();
         }
         if arguments.time.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds) {
             break StopReason::Time.word();
         }
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let would_refine = preview.draw(&device, &queue, &mut encoder, width, height, display);
+        queue.submit([encoder.finish()]);
+        // A slow adapter would pile up frames.
+        device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| CliError::unusable(format!("--view preview: {error}")))?;
+        drawn += 1;
+        if !would_refine {
+            break "converged";
+        }
     };
+    if let Some(error) = preview.error() {
+        return Err(CliError::unusable(format!("--view preview: {error}")));
+    }
     let pixels = preview.read_linear(&device, &queue).map_err(unusable)?;
     let nonfinite = pixels.iter().filter(|pixel| pixel.iter().any(|x| !x.is_finite())).count() as u64;
     if arguments.scene.threads.is_some() {
         messages.warn("--threads has no effect with --view preview");
     }
-    let lobes = lobes(&loaded.scene);
     Ok(Rendered {
         picture: Picture { width: loaded.width, height: loaded.height, pixels, ..Picture::default() },
         spp: drawn,
@@ -281,7 +320,7 @@ fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Mes
         stop_reason,
         error: None,
         nonfinite,
-        lobes,
+        lobes: lobes(&loaded.scene),
     })
 }
 
@@ -356,9 +395,9 @@ fn error_text(error: &ErrorEstimate) -> String {
     format!("error {:.1} % (±{half_width:.1}{fireflies})", percent(error.relmse))
 }
 
-fn progress_text(progress: &Progress) -> String {
+fn progress_text(progress: &Progress<'_>) -> String {
     let error = progress.error.as_ref().map_or_else(String::new, |error| format!(", {}", error_text(error)));
-    format!("{} spp in {:.1} s{error}", progress.spp, progress.seconds)
+    format!("{} spp in {:.1} s{error}", progress.film.spp(), progress.seconds)
 }
 
 /// One line on standard error that is written over again and again; nothing where that is no terminal.

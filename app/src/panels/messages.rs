@@ -88,7 +88,7 @@ impl Messages {
             ui.ctx().request_repaint_after_secs(1.0);
         }
         let mut dismissed = None;
-        Area::new(Id::new("messages"))
+        Area::new(Id::unique("messages"))
             .order(Order::Middle)
             .pivot(Align2::LEFT_TOP)
             .fixed_pos(place.left_top() + vec2(10.0, 10.0))

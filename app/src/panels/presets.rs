@@ -4,7 +4,7 @@ use crate::theme;
 use crate::widgets::color_edit::display_color;
 use burnish_material::{Material, Property};
 use burnish_presets::Preset;
-use egui::{CollapsingHeader, Color32, Label, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, WidgetType, vec2};
+use egui::{CollapsingHeader, Color32, Label, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, Role, vec2};
 use std::sync::OnceLock;
 
 /// State of the panel.
@@ -104,7 +104,7 @@ fn row(ui: &mut Ui, entry: &Entry, is_current: bool) -> bool {
     let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     let name = entry.preset.name;
-    response.widget_info(|| WidgetInfo::selected(WidgetType::Button, ui.is_enabled(), is_current, name));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), is_current, name));
     if ui.is_rect_visible(rect) {
         let visuals = ui.style().interact_selectable(&response, is_current);
         if is_current || response.hovered() || response.has_focus() {

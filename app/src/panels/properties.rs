@@ -54,6 +54,7 @@ impl PropertyPanel {
                     continue;
                 }
                 is_any_found = true;
+                let title = group_title(group, &document.material);
                 let mut body = |ui: &mut Ui| {
                     for &def in &rows {
                         action = self.row(ui, def, document, lobes).or(action);
@@ -61,7 +62,6 @@ impl PropertyPanel {
                     ui.add_space(4.0);
                 };
                 if query.is_empty() {
-                    let title = group_title(group, &document.material);
                     CollapsingHeader::new(title).id_salt(group.title()).default_open(true).show_unindented(ui, body);
                 } else {
                     ui.label(RichText::new(group.title()).color(theme::WEAK));
@@ -147,10 +147,7 @@ fn about(ui: &mut Ui, document: &mut Document) {
     });
     let title = RichText::new("Notes and sources").color(theme::WEAK);
     CollapsingHeader::new(title).id_salt("notes").default_open(false).show_unindented(ui, |ui| {
-        let mut tags = material.tags.join(", ");
-        if text_row(ui, "Tags", &mut tags, false) {
-            material.tags = tags.split(',').map(|tag| tag.trim().to_owned()).filter(|tag| !tag.is_empty()).collect();
-        }
+        tags_row(ui, &mut material.tags);
         text_row(ui, "Notes", &mut material.notes, true);
         text_row(ui, "Source", &mut material.provenance.source, false);
         text_row(ui, "Reference", &mut material.provenance.reference, true);
@@ -172,13 +169,27 @@ fn label(ui: &mut Ui, text: &str) -> egui::Response {
     .inner
 }
 
-fn text_row(ui: &mut Ui, name: &str, text: &mut String, is_long: bool) -> bool {
+fn text_row(ui: &mut Ui, name: &str, text: &mut String, is_long: bool) -> egui::Response {
     ui.horizontal_top(|ui| {
         label(ui, name);
         let edit = if is_long { TextEdit::multiline(text).desired_rows(3) } else { TextEdit::singleline(text) };
-        // The field edits a copy where it is only shown, so the document changes by typing alone.
-        let width = ui.available_width();
-        ui.add(edit.desired_width(width)).accessible_name(format!("Material {}", name.to_lowercase())).changed()
+        let width = ui.available_width() - 4.0;
+        ui.add(edit.desired_width(width)).accessible_name(format!("Material {}", name.to_lowercase()))
     })
     .inner
+}
+
+/// Tags as one text with commas. While it is typed it may end in a comma, so the list takes it over when it is left.
+fn tags_row(ui: &mut Ui, tags: &mut Vec<String>) {
+    let id = ui.scope_id().with("tags");
+    let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| tags.join(", "));
+    let response = text_row(ui, "Tags", &mut text, false);
+    if response.lost_focus() {
+        *tags = text.split(',').map(|tag| tag.trim().to_owned()).filter(|tag| !tag.is_empty()).collect();
+    }
+    if response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, text));
+    } else {
+        ui.data_mut(|data| data.remove::<String>(id));
+    }
 }

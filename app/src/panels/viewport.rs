@@ -9,7 +9,7 @@ use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_renderer::tonemap::DisplayTransform;
 use egui::{
     Align2, Color32, ComboBox, DragValue, FontId, Label, PointerButton, Rect, Response, RichText, Sense, Slider, SliderClamping,
-    StrokeKind, Ui, WidgetInfo, WidgetType, pos2, vec2,
+    StrokeKind, Ui, WidgetInfo, Role, pos2, vec2,
 };
 
 /// What the toolbar asks for.
@@ -147,7 +147,7 @@ impl Layout {
 /// Takes the rest of the panel and lets the mouse turn, shift and zoom. Returns what was allocated and how it is split.
 pub fn interact(ui: &mut Ui, editor: &mut Editor) -> (Response, Layout) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Viewport"));
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Viewport"));
     let layout = Layout::of(rect, editor.view.mode);
     let height = layout.picture_size().y.max(1.0);
     let view = &mut editor.view;
@@ -243,7 +243,7 @@ pub fn paint_chart(ui: &Ui, rect: Rect, history: &[(f64, f64)], goal_relmse: Opt
 /// Shows over the whole window what dropping the hovered files would do.
 pub fn paint_drop_hint(ctx: &egui::Context, text: &str, is_refused: bool) {
     let rect = ctx.content_rect();
-    let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::new("drop hint")));
+    let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop hint")));
     let color = if is_refused { theme::ERROR } else { theme::ACCENT };
     painter.rect_filled(rect, 0, Color32::from_black_alpha(150));
     painter.rect_stroke(rect.shrink(6.0), 6, (3.0, color), StrokeKind::Inside);

@@ -8,7 +8,7 @@ use crate::widgets::number;
 use burnish_material::{LimitKind, PropertyDef, Unit};
 use burnish_renderer::tonemap::{srgb_decode, srgb_encode};
 use egui::color_picker::{Alpha, color_picker_hsva_2d};
-use egui::{Color32, Popup, PopupCloseBehavior, Sense, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType, ecolor::Hsva, vec2};
+use egui::{Color32, Popup, PopupCloseBehavior, Sense, Stroke, StrokeKind, Ui, WidgetInfo, Role, ecolor::Hsva, vec2};
 
 /// How far the picker's numbers must move to count as an edit. It converts its colour back and forth each frame, and the
 /// rounding of that (about 1e-6) must not change the document.
@@ -44,14 +44,14 @@ pub fn display_color(linear: [f64; 3]) -> Color32 {
 fn swatch(ui: &mut Ui, def: &PropertyDef, old: [f64; 3]) -> Option<[f64; 3]> {
     let (rect, response) = ui.allocate_exact_size(vec2(30.0, ui.spacing().interact_size.y), Sense::click());
     let color = display_color(old);
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::ColorButton, ui.is_enabled(), def.label));
+    response.widget_info(|| WidgetInfo::labeled(Role::ColorWell, ui.is_enabled(), def.label));
     if ui.is_rect_visible(rect) {
         let visuals = ui.style().interact(&response);
         ui.painter().rect(rect.shrink(1.0), 3, color, Stroke::new(1.0, visuals.bg_fill), StrokeKind::Outside);
     }
     let response = response.on_hover_text(format!("sRGB {}\nclick to pick; the numbers are linear", hex(color)));
 
-    let id = ui.id().with("picker");
+    let id = ui.scope_id().with("picker");
     let is_open = Popup::is_id_open(ui.ctx(), id);
     let mut new = None;
     Popup::menu(&response).id(id).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
@@ -84,7 +84,7 @@ fn hex(color: Color32) -> String {
 /// A field for `#AF363C`, which is sRGB; returns the linear colour when one was entered.
 fn hex_field(ui: &mut Ui, def: &PropertyDef, color: Color32) -> Option<[f64; 3]> {
     let shown = hex(color);
-    let id = ui.id().with("hex");
+    let id = ui.scope_id().with("hex");
     let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| shown.clone());
     let response = ui
         .horizontal(|ui| {

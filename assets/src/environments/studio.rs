@@ -63,10 +63,10 @@ const BOXES: &[Softbox] = &[
     Softbox {
         azimuth_deg: 0.0,
         elevation_deg: 82.0,
-        half_width_deg: 25.0,
+        half_width_deg: 20.0,
         half_height_deg: 8.0,
         roll_deg: 0.0,
-        radiance: Vec3::new(11.0, 11.2, 11.5),
+        radiance: Vec3::new(12.8, 13.0, 13.3),
         falloff: 0.35,
     },
     // A small hard lamp: rough and polished surfaces differ most in its reflection.

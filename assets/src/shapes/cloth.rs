@@ -41,11 +41,16 @@ fn support() -> Mesh {
     let center = Vec2::new(0.0, BALL_CENTER.y);
     let end_deg = 180.0 - (POST / BALL).asin().to_degrees();
     profile.arc(center, BALL, 0.0, end_deg, 60);
+    let top = center + BALL * Vec2::new(end_deg.to_radians().sin(), end_deg.to_radians().cos());
+    let bottom = Vec2::new(top.x, 0.06);
+    profile.point(top, Vec2::X);
+    profile.line(bottom, 4);
+    profile.point(bottom, Vec2::X);
+    // The foot: a flat cone with a round edge.
     let edge = 0.02;
     let foot = Vec2::new(0.42, 0.005);
-    profile.line(Vec2::new(POST, 0.06), 4);
-    profile.point(Vec2::new(POST, 0.06), Vec2::new(1.0, 1.0));
-    profile.arc(foot + Vec2::new(-edge, edge), edge, 6.0, 180.0, 12);
+    profile.point(bottom, Vec2::new(0.05, 1.0));
+    profile.arc(foot + Vec2::new(-edge, edge), edge, 3.0, 180.0, 12);
     profile.point(Vec2::new(0.0, foot.y), Vec2::NEG_Y);
     profile.turn("Stand", 96, Mat3::IDENTITY, Vec3::ZERO)
 }

@@ -15,11 +15,17 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    /// Adds a point with its outward normal; one that repeats the last place and normal is left out.
+    /// Adds a point with its outward normal. At the place of the last one it is left out, unless its normal is
+    /// another: then the two make a sharp edge.
     pub(super) fn point(&mut self, position: Vec2, normal: Vec2) {
-        let is_repeated = self.points.last().is_some_and(|&(p, _)| p.distance(position) < 1e-5);
-        if !is_repeated {
-            self.points.push((position, normal.normalize()));
+        let normal = normal.normalize();
+        match self.points.last() {
+            Some(&(last, last_normal)) if last.distance(position) < 1e-5 => {
+                if last_normal.dot(normal) < 0.999 {
+                    self.points.push((last, normal));
+                }
+            }
+            _ => self.points.push((position, normal)),
         }
     }
 
@@ -83,6 +89,10 @@ impl Profile {
         }
         for (i, pair) in self.points.windows(2).enumerate() {
             let (upper, lower) = (rows[i], rows[i + 1]);
+            // Between the two sides of a sharp edge there is nothing.
+            if pair[0].0 == pair[1].0 {
+                continue;
+            }
             for step in 0..segments {
                 if pair[1].0.x > 0.0 {
                     mesh.triangles.push([upper + step, lower + step, lower + step + 1]);

@@ -11,7 +11,7 @@ const HALF: f32 = 0.75;
 /// Radius of the rounding.
 const BEVEL: f32 = 0.1;
 
-/// Cells across the rounding of one edge, up to its middle, and across the flat part.
+/// Cells across the rounding of one edge, up to its middle, and across the flat part, where their number is even.
 const BEVEL_CELLS: u32 = 10;
 const FLAT_CELLS: u32 = 24;
 
@@ -64,9 +64,12 @@ fn stops() -> Vec<f32> {
         // The middle of the edge must be hit exactly, for the next face begins there.
         if k == BEVEL_CELLS { HALF } else { flat + BEVEL * angle.tan() }
     };
-    let mut stops: Vec<f32> = (1..=BEVEL_CELLS).rev().map(|k| -bevel(k)).collect();
-    stops.extend((0..=FLAT_CELLS).map(|k| flat * (2.0 * k as f32 / FLAT_CELLS as f32 - 1.0)));
-    stops.extend((1..=BEVEL_CELLS).map(bevel));
+    // One half mirrors the other bit by bit, for neighbouring faces run their common edge in opposite directions.
+    let mut half: Vec<f32> = (1..=FLAT_CELLS / 2).map(|k| flat * (2 * k) as f32 / FLAT_CELLS as f32).collect();
+    half.extend((1..=BEVEL_CELLS).map(bevel));
+    let mut stops: Vec<f32> = half.iter().rev().map(|x| -x).collect();
+    stops.push(0.0);
+    stops.extend(half);
     stops
 }
 

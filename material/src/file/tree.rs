@@ -82,7 +82,7 @@ pub(super) fn block(text: &str, span: Range<usize>) -> Result<Block, SpannedErro
     let source = &text[span.clone()];
     let mut ron = Deserializer::from_str(source)?;
     let open = span.end - ron.remainder().len();
-    let raws = match text[open..].as_bytes().first() {
+    let raws = match text.as_bytes().get(open) {
         Some(b'[') => ron.deserialize_seq(Entries),
         Some(b'(') => ron.deserialize_tuple(0, Entries),
         _ => ron.deserialize_map(Entries),

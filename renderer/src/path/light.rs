@@ -6,11 +6,10 @@
 //!
 //! Emissive objects are found by BSDF sampling alone: unbiased, but noisy for small bright ones.
 
-use crate::lanes::{Lanes, Mask};
+use crate::lanes::Lanes;
 use crate::scene::EnvironmentLight;
 use crate::vector::{Rgb, V3};
 use burnish_assets::Environment;
-use glam::Vec3;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -285,11 +284,6 @@ impl Light {
             tap(0).lerp(tap(1), fx).lerp(tap(2).lerp(tap(3), fx), fy) * scale
         }))
     }
-
-    /// Radiance of one world direction.
-    pub(super) fn radiance(&self, d: Vec3) -> [f32; 3] {
-        self.eval(V3::<f32>::new(d.x, d.y, d.z)).0.0
-    }
 }
 
 /// Largest `i < count` with `table[base + i] <= u`, and where `u` lies between it and the next, `[0, 1)`.
@@ -351,6 +345,7 @@ fn atan2<L: Lanes>(y: L, x: L) -> L {
 mod tests {
     use super::*;
     use crate::path::sampler::mix;
+    use glam::Vec3;
 
     fn map(width: usize, height: usize, f: impl Fn(f32, f32) -> f32) -> Arc<Environment> {
         let texels = (0..width * height)
@@ -376,7 +371,8 @@ mod tests {
     fn density_integrates_to_one() {
         for map in maps() {
             let light = light(&map, 30.0);
-            let (rows, columns) = (2048usize, 4096usize);
+            // One point per cell is exact: density times sine is constant in a cell.
+            let (rows, columns) = (512usize, 1024usize);
             let mut sum = 0.0;
             for j in 0..rows {
                 let theta = (j as f64 + 0.5) / rows as f64 * PI;
@@ -387,7 +383,7 @@ mod tests {
                 }
             }
             let integral = sum * 2.0 * PI * PI / (rows * columns) as f64;
-            assert!((integral - 1.0).abs() < 2e-3, "{}x{}: {integral}", map.width, map.height);
+            assert!((integral - 1.0).abs() < 1e-3, "{}x{}: {integral}", map.width, map.height);
         }
     }
 
@@ -395,7 +391,8 @@ mod tests {
     fn drawn_directions_follow_the_density() {
         const N: u32 = 200_000;
         for map in maps() {
-            let light = light(&map, 77.0);
+            let light = light(&map, 45.0);
+            let peak = map.texels.iter().fold(0.0f32, |m, t| m.max(t[0]));
             let (rows, columns) = (16usize, 32usize);
             let mut counts = vec![0.0f64; rows * columns];
             let mut reciprocal = 0.0;
@@ -408,13 +405,13 @@ mod tests {
                 // Directions are rounded, so a few land in the next cell.
                 reciprocal += f64::from(u8::from((pdf / s.pdf - 1.0).abs() > 1e-2));
                 assert!(s.pdf > 0.0);
-                assert!((radiance.0[0] - s.radiance.0[0]).abs() <= 0.05 * s.radiance.0[0] + 1e-3);
+                assert!((radiance.0[0] - s.radiance.0[0]).abs() <= 0.05 * s.radiance.0[0] + 2e-3 * peak);
                 let uv = Environment::uv(d);
                 let bin = ((uv.y * rows as f32) as usize).min(rows - 1) * columns + ((uv.x * columns as f32) as usize).min(columns - 1);
                 counts[bin] += 1.0;
             }
             assert!(reciprocal / f64::from(N) < 5e-3, "{reciprocal}");
-            let fine = 64usize;
+            let fine = 32usize;
             let (mut chi2, mut freedom) = (0.0, 0.0);
             for (bin, count) in counts.iter().enumerate() {
                 let mut expected = 0.0;
@@ -433,8 +430,8 @@ mod tests {
                 }
             }
             if freedom > 1.0 {
-                // Four standard deviations of the distribution; the quadrature of `expected` is good to a few per mille.
-                assert!(chi2 < freedom + 4.0 * (2.0 * freedom).sqrt() + 0.05 * freedom + 10.0, "{chi2} for {freedom} bins");
+                // Four standard deviations, and some room for rounding at the borders of bright cells.
+                assert!(chi2 < freedom + 4.0 * (2.0 * freedom).sqrt() + 10.0, "{chi2} for {freedom} bins");
             }
         }
     }
@@ -455,7 +452,7 @@ mod tests {
             let (s, c) = (i as f32 * 2.4).sin_cos();
             let d = Vec3::new(c * (1.0 - z * z).sqrt(), z, s * (1.0 - z * z).sqrt());
             let expected = scene.radiance(d);
-            let got = Vec3::from(light.radiance(d));
+            let got = Vec3::from(light.eval(V3::new(d.x, d.y, d.z)).0.0);
             assert!(got.distance(expected) < 2e-3, "{d}: {got} {expected}");
         }
     }

@@ -6,7 +6,7 @@ use super::light::{Light, LightTables};
 use super::texture::Texture;
 use crate::bsdf::interpret;
 use crate::scene::{Camera, Object, Scene, TextureSet};
-use burnish_material::{Inputs, Lobe, LobeSet, Material, Property};
+use burnish_material::{Inputs, Lobe, LobeSet, Material};
 use std::sync::{Arc, Mutex};
 
 /// An immutable scene ready for the path tracer.
@@ -66,11 +66,6 @@ impl Surface {
     /// Whether the direction of the tangent matters.
     pub(super) fn needs_tangent(&self) -> bool {
         self.lobes.has(Lobe::anisotropy) || self.lobes.has(Lobe::normal_map)
-    }
-
-    /// Whether a texture gives the normals.
-    pub(super) fn has_normal_texture(&self) -> bool {
-        self.textures.iter().any(|t| t.property == Property::normal)
     }
 }
 

@@ -136,7 +136,8 @@ impl Plan {
         let goal = match spp {
             0 => 1,
             1..4 => REPLICATES as u32,
-            _ => spp.saturating_mul(2).checked_next_power_of_two().unwrap_or(SPP_MAX).min(if spp.is_power_of_two() { SPP_MAX } else { spp.next_power_of_two() }),
+            _ if spp.is_power_of_two() => spp.saturating_mul(2),
+            _ => spp.checked_next_power_of_two().unwrap_or(SPP_MAX),
         };
         let goal = self.predicted.unwrap_or(goal).min(limit);
         let mut step = goal.saturating_sub(spp).max(1);

@@ -30,8 +30,8 @@ pub(super) enum Group {
 }
 
 /// Direction numbers of dimensions 2 and 3; those of 0 and 1 have closed forms.
-const SOBOL_2: [u32; 32] = directions(&[1, 3, 1], 0b01, 3);
-const SOBOL_3: [u32; 32] = directions(&[1, 1, 1], 0b10, 3);
+const SOBOL_2: [u32; 32] = directions(&[1, 3], 0b1, 2);
+const SOBOL_3: [u32; 32] = directions(&[1, 3, 1], 0b01, 3);
 
 /// Direction numbers from initial values and the inner coefficients of the primitive polynomial (Joe and Kuo 2008).
 const fn directions(initial: &[u32], coefficients: u32, degree: usize) -> [u32; 32] {
@@ -94,11 +94,11 @@ fn owen(x: u32, seed: u32) -> u32 {
 #[inline(always)]
 fn sobol_1(index: u32) -> u32 {
     let mut x = index.reverse_bits();
-    x ^= (x & 0xaaaa_aaaa) >> 1;
-    x ^= (x & 0xcccc_cccc) >> 2;
-    x ^= (x & 0xf0f0_f0f0) >> 4;
-    x ^= (x & 0xff00_ff00) >> 8;
-    x ^ ((x & 0xffff_0000) >> 16)
+    x ^= (x & 0x5555_5555) << 1;
+    x ^= (x & 0x3333_3333) << 2;
+    x ^= (x & 0x0f0f_0f0f) << 4;
+    x ^= (x & 0x00ff_00ff) << 8;
+    x ^ (x << 16)
 }
 
 #[inline(always)]
