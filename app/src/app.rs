@@ -171,7 +171,7 @@ impl App {
             if let Some(preset) = panel.show(ui, |ui| self.presets.show(ui, &name)).inner {
                 self.load_preset(preset);
             }
-            let panel = Panel::right("properties").default_size(384.0).size_range(340.0..=560.0).frame(side);
+            let panel = Panel::right("properties").default_size(398.0).size_range(340.0..=560.0).frame(side);
             let action = panel.show(ui, |ui| self.properties.show(ui, &mut self.editor.document)).inner;
             if let Some(RowAction::ChooseMap(property)) = action {
                 self.ask_for_map(property, &ctx);

@@ -68,7 +68,7 @@ fn visuals() -> Visuals {
     visuals.selection.bg_fill = Color32::from_rgb(120, 80, 34);
     visuals.selection.stroke = Stroke::new(1.0, Color32::from_rgb(255, 226, 190));
     visuals.slider_trailing_fill = true;
-    visuals.handle_shape = egui::style::HandleShape::Circle;
+    visuals.handle_shape = egui::style::HandleShape::Rect { aspect_ratio: 0.42 };
     visuals.window_corner_radius = CornerRadius::same(6);
     visuals.menu_corner_radius = CornerRadius::same(5);
     visuals.disabled_alpha = 0.4;

@@ -196,18 +196,20 @@ impl From<Model> for ModelMeshes {
 impl ModelMeshes {
     /// A camera that frames the object.
     pub fn default_camera(&self) -> Camera {
-        let radius = self.object_bounds.radius().max(1e-6);
-        let distance = 1.25 * radius / (DEFAULT_FOV_DEG.to_radians() * 0.5).sin();
-        Camera::orbit(self.object_bounds.center(), 0.0, DEFAULT_ELEVATION_DEG, distance, DEFAULT_FOV_DEG)
+        let half = (self.object_bounds.size() * 0.5).max_element().max(1e-6);
+        let distance = 1.5 * half / (DEFAULT_FOV_DEG.to_radians() * 0.5).sin();
+        // A little below the middle, so that what the object stands on is in the picture.
+        let target = self.object_bounds.center() - Vec3::Y * (0.12 * half);
+        Camera::orbit(target, 0.0, DEFAULT_ELEVATION_DEG, distance, DEFAULT_FOV_DEG)
     }
 }
 
 /// The fixed material of a part that is not being edited: matt, without reflection.
 fn stage_material(role: Role) -> Arc<Material> {
     let color = match role {
-        Role::Stand => [0.12, 0.12, 0.13],
-        Role::FloorLight => [0.42, 0.42, 0.42],
-        Role::FloorDark => [0.30, 0.30, 0.31],
+        Role::Stand => [0.08, 0.08, 0.085],
+        Role::FloorLight => [0.18, 0.18, 0.18],
+        Role::FloorDark => [0.13, 0.13, 0.135],
         Role::Object => [0.5; 3],
     };
     let mut material = Material::named("stage");

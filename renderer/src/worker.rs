@@ -259,3 +259,71 @@ impl Job<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::StopRules;
+    use crate::scene::{Camera, EnvironmentLight};
+    use burnish_assets::Environment;
+    use glam::Vec3;
+    use std::time::Duration;
+
+    fn scene(radiance: f32) -> Arc<Scene> {
+        let map = Arc::new(Environment { name: String::new(), width: 2, height: 1, texels: vec![[radiance; 3]; 2] });
+        let camera = Camera { origin: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, fov_deg: 30.0 };
+        let environment = EnvironmentLight { map, rotation_deg: 0.0, scale: 1.0 };
+        Arc::new(Scene { objects: Vec::new(), environment, camera, max_bounces: 1 })
+    }
+
+    fn settings(spp: Option<u32>) -> Settings {
+        Settings { width: 200, height: 150, seed: 1, threads: 1, stop: StopRules { spp, ..StopRules::default() } }
+    }
+
+    /// Waits for a snapshot; gives up after a minute.
+    fn wait(worker: &Worker, is_it: impl Fn(&Snapshot) -> bool) -> Arc<Snapshot> {
+        for _ in 0..60_000 {
+            if let Some(snapshot) = worker.snapshot().filter(|s| is_it(s)) {
+                return snapshot;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        panic!("no such snapshot");
+    }
+
+    #[test]
+    fn the_newest_request_wins_and_its_picture_stays() {
+        let images = Arc::new(AtomicU64::new(0));
+        let count = images.clone();
+        let worker = Worker::new(
+            2,
+            Box::new(move || {
+                count.fetch_add(1, Ordering::SeqCst);
+            }),
+        );
+        worker.request(scene(1.0), settings(None));
+        let last = worker.request(scene(3.0), settings(Some(8)));
+        let done = wait(&worker, |s| s.revision == last && s.done.is_some());
+        assert_eq!((done.done, done.spp, done.scale, done.width, done.height), (Some(StopReason::Spp), 8, 1, 200, 150));
+        assert!(done.pixels.iter().all(|p| (p[0] - 3.0).abs() < 1e-5 && p[3] == 0.0));
+        assert!(!done.history.is_empty() && done.first_image_seconds > 0.0);
+        assert!(images.load(Ordering::SeqCst) >= 4, "coarse pictures, passes, the end");
+        std::thread::sleep(Duration::from_millis(20));
+        assert_eq!(worker.snapshot().map(|s| s.revision), Some(last));
+    }
+
+    #[test]
+    fn a_paused_worker_keeps_its_picture_and_starts_again() {
+        let worker = Worker::new(1, Box::new(|| {}));
+        let first = worker.request(scene(1.0), settings(None));
+        wait(&worker, |s| s.revision == first && s.scale == 1);
+        worker.pause();
+        std::thread::sleep(Duration::from_millis(50));
+        let kept = worker.snapshot().map(|s| s.spp);
+        std::thread::sleep(Duration::from_millis(50));
+        assert_eq!(worker.snapshot().map(|s| s.spp), kept);
+        let second = worker.request(scene(2.0), settings(Some(4)));
+        assert!(second > first);
+        wait(&worker, |s| s.revision == second && s.done.is_some());
+    }
+}

@@ -2,9 +2,10 @@
 
 use crate::theme;
 use crate::widgets::color_edit::display_color;
+use crate::widgets::search_field::{hold_width, search_field};
 use burnish_material::{Material, Property};
 use burnish_presets::Preset;
-use egui::{CollapsingHeader, Color32, Label, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, Role, vec2};
+use egui::{CollapsingHeader, Color32, Label, RichText, ScrollArea, Sense, Ui, WidgetInfo, Role, vec2};
 use std::sync::OnceLock;
 
 /// State of the panel.
@@ -54,16 +55,10 @@ fn known_color(material: &Material) -> [f64; 3] {
 impl PresetPanel {
     /// Shows the list; the preset that was clicked.
     pub fn show(&mut self, ui: &mut Ui, current_name: &str) -> Option<&'static Preset> {
+        hold_width(ui);
         ui.add_space(2.0);
         ui.label(RichText::new("Presets").heading());
-        ui.horizontal(|ui| {
-            let width = ui.available_width() - 26.0;
-            ui.add(TextEdit::singleline(&mut self.filter).hint_text("Filter").desired_width(width)).accessible_name("Filter presets");
-            let clear = ui.add_enabled(!self.filter.is_empty(), egui::Button::new("×").frame_when_inactive(false));
-            if clear.accessible_name("Clear preset filter").clicked() {
-                self.filter.clear();
-            }
-        });
+        search_field(ui, &mut self.filter, "Filter presets", "Filter by name or tag");
         ui.add_space(2.0);
         let mut clicked = None;
         let found = burnish_presets::search(&self.filter);

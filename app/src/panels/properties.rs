@@ -4,6 +4,7 @@
 use crate::editor::Document;
 use crate::theme;
 use crate::widgets::number;
+use crate::widgets::search_field::{hold_width, search_field};
 use crate::widgets::value_edit::{LABEL_WIDTH, Row, RowAction, number_field, value_edit};
 use burnish_material::{Group, LOBES, LobeSet, Material, PROPERTIES, Property, PropertyDef, Slot, Unit, ValueSource};
 use egui::text::LayoutJob;
@@ -27,17 +28,10 @@ impl PropertyPanel {
         self.read_sources(document);
         self.rows.clear();
         let mut action = None;
+        hold_width(ui);
         ui.add_space(2.0);
         ui.label(RichText::new("Properties").heading());
-        ui.horizontal(|ui| {
-            let width = ui.available_width() - 26.0;
-            let edit = TextEdit::singleline(&mut self.search).hint_text("Search the three names").desired_width(width);
-            ui.add(edit).accessible_name("Search properties");
-            let clear = ui.add_enabled(!self.search.is_empty(), egui::Button::new("×").frame_when_inactive(false));
-            if clear.accessible_name("Clear property search").clicked() {
-                self.search.clear();
-            }
-        });
+        search_field(ui, &mut self.search, "Search properties", "Search the three names");
         ui.add_space(2.0);
         let query = self.search.trim().to_lowercase();
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
@@ -173,8 +167,7 @@ fn text_row(ui: &mut Ui, name: &str, text: &mut String, is_long: bool) -> egui::
     ui.horizontal_top(|ui| {
         label(ui, name);
         let edit = if is_long { TextEdit::multiline(text).desired_rows(3) } else { TextEdit::singleline(text) };
-        let width = ui.available_width() - 4.0;
-        ui.add(edit.desired_width(width)).accessible_name(format!("Material {}", name.to_lowercase()))
+        ui.add(edit.desired_width(f32::INFINITY)).accessible_name(format!("Material {}", name.to_lowercase()))
     })
     .inner
 }

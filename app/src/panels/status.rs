@@ -6,7 +6,7 @@ use crate::widgets::number;
 use burnish_material::{LOBES, LobeSet};
 use burnish_renderer::path::StopReason;
 use burnish_renderer::worker::Snapshot;
-use egui::{Color32, Frame, Label, Layout, Margin, RichText, Sense, Ui};
+use egui::{Color32, FontId, Label, Layout, Rect, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo, vec2};
 
 /// What the status line says.
 #[derive(Clone, Debug, Default)]
@@ -76,7 +76,7 @@ pub fn final_text(snapshot: &Snapshot, goal_relmse: Option<f64>) -> String {
 /// Shows which lobes are in use and which are left out, each with the reason.
 pub fn lobe_strip(ui: &mut Ui, lobes: LobeSet) {
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing = egui::vec2(4.0, 3.0);
+        ui.spacing_mut().item_spacing = vec2(4.0, 3.0);
         for def in LOBES {
             let is_in = lobes.has(def.lobe);
             let (fill, stroke, color) = if is_in {
@@ -85,18 +85,19 @@ pub fn lobe_strip(ui: &mut Ui, lobes: LobeSet) {
                 (Color32::TRANSPARENT, Color32::from_gray(62), Color32::from_gray(112))
             };
             let name = def.name.replace('_', " ");
-            // Filled or struck out as well as coloured, so that the difference does not hang on colour.
-            let text = RichText::new(&name).small().color(color);
-            let text = if is_in { text } else { text.strikethrough() };
-            let chip = Frame::new()
-                .fill(fill)
-                .stroke((1.0, stroke))
-                .corner_radius(8)
-                .inner_margin(Margin::symmetric(6, 0))
-                .show(ui, |ui| ui.add(Label::new(text).selectable(false).sense(Sense::hover())))
-                .inner;
+            let state = if is_in { "in use" } else { "left out" };
+            let galley = ui.painter().layout_no_wrap(name.clone(), FontId::proportional(11.5), color);
+            let (rect, chip) = ui.allocate_exact_size(galley.size() + vec2(12.0, 3.0), Sense::hover());
+            chip.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name} {state}")));
+            ui.painter().rect(rect, 8, fill, (1.0, stroke), StrokeKind::Inside);
+            let text = Rect::from_center_size(rect.center(), galley.size());
+            ui.painter().galley(text.min, galley, color);
+            // Struck out as well as grey, so that the difference does not hang on colour.
+            if !is_in {
+                ui.painter().hline(text.x_range(), text.center().y + 1.0, (1.0, color));
+            }
             chip.on_hover_ui(|ui| {
-                ui.label(RichText::new(format!("{name}: {}", if is_in { "in use" } else { "left out" })).strong());
+                ui.label(RichText::new(format!("{name}: {state}")).strong());
                 ui.label(def.doc);
             });
         }

@@ -42,7 +42,7 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
         ui.separator();
 
         let mesh = editor.model.as_ref().map_or("…", |model| model.name.as_str());
-        let combo = ComboBox::from_id_salt("mesh").width(104.0).truncate().selected_text(mesh).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("mesh").width(96.0).truncate().selected_text(mesh).show_ui(ui, |ui| {
             for def in SHAPES {
                 if ui.selectable_label(mesh == def.label, def.label).clicked() {
                     wish = Some(Wish::Load(Job::Shape(def.name)));
@@ -56,7 +56,7 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
         combo.response.accessible_name("Mesh").on_hover_text("What carries the material; drop a .gltf, .glb or .ply for your own");
 
         let light = editor.environment.as_ref().map_or("…", |environment| environment.name.as_str());
-        let combo = ComboBox::from_id_salt("environment").width(112.0).truncate().selected_text(light).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("environment").width(96.0).truncate().selected_text(light).show_ui(ui, |ui| {
             for def in ENVIRONMENTS {
                 if ui.selectable_label(light == def.label, def.label).clicked() {
                     wish = Some(Wish::Load(Job::BuiltInEnvironment(def.name)));
@@ -81,7 +81,7 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
 }
 
 fn display_controls(ui: &mut Ui, view: &mut View) {
-    ui.spacing_mut().slider_width = 74.0;
+    ui.spacing_mut().slider_width = 52.0;
     let exposure = Slider::new(&mut view.display.exposure_ev, -6.0..=6.0)
         .clamping(SliderClamping::Never)
         .max_decimals(2)
@@ -94,7 +94,7 @@ fn display_controls(ui: &mut Ui, view: &mut View) {
         DisplayTransform::Aces => "ACES",
         DisplayTransform::Standard => "Standard",
     };
-    let combo = ComboBox::from_id_salt("transform").width(78.0).selected_text(name(*transform)).show_ui(ui, |ui| {
+    let combo = ComboBox::from_id_salt("transform").width(74.0).selected_text(name(*transform)).show_ui(ui, |ui| {
         for (choice, _) in DisplayTransform::ALL {
             let text = match choice {
                 DisplayTransform::Neutral => "Khronos PBR Neutral: keeps base colours",

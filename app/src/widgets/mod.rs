@@ -2,5 +2,6 @@
 
 pub mod color_edit;
 pub mod number;
+pub mod search_field;
 pub mod texture_slot;
 pub mod value_edit;

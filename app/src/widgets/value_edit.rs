@@ -9,7 +9,9 @@ use burnish_material::{Kind, LimitKind, Property, PropertyDef, Slot, Unit, Unrea
 use egui::{DragValue, Key, Label, Layout, Response, RichText, Sense, Slider, SliderClamping, Ui, vec2};
 
 /// Width of the label column.
-pub const LABEL_WIDTH: f32 = 134.0;
+pub const LABEL_WIDTH: f32 = 150.0;
+/// Letters above which a label would not fit the column at full size.
+const LONG_LABEL: usize = 22;
 /// Width of the number field beside a slider.
 const NUMBER_WIDTH: f32 = 70.0;
 /// Width of the map and reset buttons together.
@@ -75,7 +77,10 @@ fn label_column(ui: &mut Ui, def: &PropertyDef, slot: &mut Slot, row: &Row) {
     let response = ui
         .allocate_ui_with_layout(size, Layout::left_to_right(egui::Align::Center), |ui| {
             ui.set_width(LABEL_WIDTH);
-            ui.add(Label::new(RichText::new(def.label).color(color)).truncate().selectable(false).sense(Sense::click()))
+            // The longest names are set a little smaller rather than cut off.
+            let text = RichText::new(def.label).color(color);
+            let text = if def.label.len() > LONG_LABEL { text.size(12.0) } else { text };
+            ui.add(Label::new(text).truncate().selectable(false).sense(Sense::click()))
         })
         .inner;
     response.context_menu(|ui| {
@@ -254,7 +259,8 @@ fn trailing(ui: &mut Ui, def: &PropertyDef, slot: &mut Slot, action: &mut Option
     let size = vec2(20.0, ui.spacing().interact_size.y);
     ui.spacing_mut().button_padding = vec2(2.0, 1.0);
     if def.vary == Vary::Texturable && slot.texture.is_none() {
-        let button = ui.add(egui::Button::new(RichText::new("▦").color(theme::WEAK)).frame_when_inactive(false).min_size(size));
+        let button = ui.add(egui::Button::new("").frame_when_inactive(false).min_size(size));
+        paint_checker(ui, button.rect, if button.hovered() { ui.visuals().strong_text_color() } else { theme::WEAK });
         if button.accessible_name(format!("{} map", def.label)).on_hover_text("Choose a map, or drop an image on this row").clicked() {
             *action = Some(RowAction::ChooseMap(def.id));
         }
@@ -268,6 +274,18 @@ fn trailing(ui: &mut Ui, def: &PropertyDef, slot: &mut Slot, action: &mut Option
     let text = format!("Reset to {}", value_text(def.default));
     if button.accessible_name(format!("Reset {}", def.label)).on_hover_text(text).clicked() {
         *slot = Slot::default();
+    }
+}
+
+/// A small checkerboard, the sign of a map.
+fn paint_checker(ui: &Ui, rect: egui::Rect, color: egui::Color32) {
+    let side = 3.5;
+    let corner = rect.center() - vec2(1.5 * side, 1.5 * side);
+    for i in 0..9_u8 {
+        if i % 2 == 0 {
+            let place = corner + side * vec2(f32::from(i % 3), f32::from(i / 3));
+            ui.painter().rect_filled(egui::Rect::from_min_size(place, vec2(side, side)), 0, color);
+        }
     }
 }
 

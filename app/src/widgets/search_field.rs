@@ -1,0 +1,24 @@
+//! A line to search by, with a button that empties it.
+
+use egui::{Button, Layout, TextEdit, Ui, vec2};
+
+/// Shows the field over the whole width. `name` is for screen readers, `hint` stands in the empty field.
+pub fn search_field(ui: &mut Ui, text: &mut String, name: &str, hint: &str) {
+    let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.spacing_mut().button_padding = vec2(4.0, 1.0);
+        let clear = ui.add_enabled(!text.is_empty(), Button::new("×").frame_when_inactive(false));
+        if clear.accessible_name(format!("Clear {}", name.to_lowercase())).clicked() {
+            text.clear();
+        }
+        let edit = TextEdit::singleline(text).hint_text(hint).desired_width(f32::INFINITY);
+        ui.add(edit).accessible_name(name);
+    });
+}
+
+/// Holds a side panel's content to the panel's width, so that neither can push the other from frame to frame.
+pub fn hold_width(ui: &mut Ui) {
+    let width = ui.available_width();
+    ui.set_min_width(width);
+    ui.set_max_width(width);
+}
