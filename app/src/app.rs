@@ -19,6 +19,7 @@ use crate::theme;
 use crate::widgets::value_edit::RowAction;
 use burnish_assets::{ENVIRONMENTS, Environment, SHAPES};
 use burnish_material::LobeSet;
+use burnish_renderer::path::{StopRules, unsupported};
 use burnish_renderer::scene::ModelMeshes;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use screenshot::Screenshot;
@@ -41,8 +42,8 @@ struct Sent {
     environment: Arc<Environment>,
     camera: burnish_renderer::scene::Camera,
     environment_deg: f32,
-    /// Size of the final picture and whether it is wanted.
-    final_size: Option<(usize, usize)>,
+    /// Size of the final picture if one is wanted, and when it stops.
+    final_request: Option<((usize, usize), StopRules)>,
 }
 
 /// The application.
@@ -65,6 +66,8 @@ pub struct App {
     after_save: Option<After>,
     is_closing: bool,
     title: String,
+    /// What the final view leaves out of this material, in sentences.
+    left_out: Vec<String>,
     screenshot: Option<Screenshot>,
     written: std::sync::mpsc::Receiver<Result<String, String>>,
     writer: std::sync::mpsc::Sender<Result<String, String>>,
@@ -106,6 +109,7 @@ impl App {
             after_save: None,
             is_closing: false,
             title: String::new(),
+            left_out: Vec::new(),
             screenshot: None,
             written,
             writer,
@@ -166,7 +170,7 @@ impl App {
         });
         let side = Frame::new().fill(theme::PANEL).inner_margin(Margin { left: 9, right: 3, top: 4, bottom: 0 });
         if self.editor.view.are_panels_shown {
-            let panel = Panel::left("presets").default_size(206.0).size_range(150.0..=320.0).frame(side);
+            let panel = Panel::left("presets").default_size(214.0).size_range(150.0..=320.0).frame(side);
             let name = self.editor.document.file().material().name.clone();
             if let Some(preset) = panel.show(ui, |ui| self.presets.show(ui, &name)).inner {
                 self.load_preset(preset);
@@ -201,21 +205,26 @@ impl App {
     /// The one place where edits leave the document: history, preview and final view are told, in this order.
     fn sync(&mut self, ctx: &egui::Context) {
         let wants_final = self.editor.view.mode.has_final();
+        let aspect = self.picture_size.0 as f32 / self.picture_size.1 as f32;
         if let (Some(model), Some(environment)) = (self.editor.model.clone(), self.editor.environment.clone()) {
             let now = Sent {
                 document: self.editor.document.clone(),
                 model,
                 environment,
-                camera: self.editor.view.orbit.camera(),
+                camera: self.editor.view.orbit.camera(aspect),
                 environment_deg: self.editor.view.environment_deg,
-                final_size: wants_final.then_some(self.picture_size),
+                final_request: wants_final.then_some((self.picture_size, self.editor.view.stop)),
             };
-            let (is_edited, is_changed, is_resized) = match &self.sent {
-                Some(sent) => (sent.document.material != now.document.material, !now.is_same_scene(sent), now.final_size != sent.final_size),
+            let (is_edited, is_changed, is_asked) = match &self.sent {
+                Some(sent) => (
+                    sent.document.material != now.document.material,
+                    !now.is_same_scene(sent),
+                    now.final_request != sent.final_request,
+                ),
                 None => (true, true, true),
             };
-            if is_edited || is_changed || is_resized {
-                if let Some(scene) = self.editor.scene().map(Arc::new) {
+            if is_edited || is_changed || is_asked {
+                if let Some(scene) = self.editor.scene(aspect).map(Arc::new) {
                     if is_edited {
                         self.history.feed(&self.editor.document);
                     }
@@ -223,6 +232,7 @@ impl App {
                         self.preview.set_scene(&scene);
                     }
                     if wants_final {
+                        self.left_out = unsupported(&scene);
                         let view = self.final_view.get_or_insert_with(|| LiveFinal::new(ctx));
                         view.request(scene, self.picture_size, &self.editor.view);
                     }
@@ -255,11 +265,13 @@ impl App {
         let loading = self.editor.model.is_none() || self.editor.environment.is_none();
         if let Some(rect) = layout.preview {
             let size = (self.picture_size.0 as u32, self.picture_size.1 as u32);
-            let texture = if loading { None } else { self.preview.draw(size, display) };
+            let is_busy = ctx.input(|i| i.pointer.any_down());
+            let texture = if loading { None } else { self.preview.draw(size, display, is_busy) };
             if self.preview.is_refining() {
                 ctx.request_repaint();
             }
-            let picture = Picture { texture, name: "Preview", note: String::new(), problem: self.preview.problem() };
+            let note = self.preview.complaint().into_iter().collect();
+            let picture = Picture { texture, name: "Preview", notes: note, problem: self.preview.problem() };
             if viewport::paint(ui, rect, &picture, is_both) {
                 self.carry_out(Command::ShowFinal, &ctx);
             }
@@ -267,14 +279,14 @@ impl App {
         if let (Some(rect), Some(view)) = (layout.final_view, &mut self.final_view) {
             view.update(&ctx, display);
             let texture = view.texture().map(|texture| texture.id());
-            viewport::paint(ui, rect, &Picture { texture, name: "Final", note: String::new(), problem: None }, is_both);
+            viewport::paint(ui, rect, &Picture { texture, name: "Final", notes: self.left_out.clone(), problem: None }, is_both);
             if self.editor.view.is_chart_shown
                 && let Some(snapshot) = view.current()
             {
                 viewport::paint_chart(ui, rect, &snapshot.history, self.editor.view.stop.relmse);
             }
         } else if let Some(rect) = layout.final_view {
-            viewport::paint(ui, rect, &Picture { texture: None, name: "Final", note: String::new(), problem: None }, is_both);
+            viewport::paint(ui, rect, &Picture { texture: None, name: "Final", notes: Vec::new(), problem: None }, is_both);
         }
     }
 
@@ -315,9 +327,15 @@ impl App {
                         }
                         self.menu_item(ui, command);
                     }
-                    if menu == Menu::Edit {
-                        ui.separator();
-                        self.history_menu(ui);
+                    match menu {
+                        Menu::Edit => {
+                            ui.separator();
+                            self.history_menu(ui);
+                        }
+                        Menu::View => {
+                            ui.menu_button("Final view stops at", |ui| viewport::stop_rules(ui, &mut self.editor.view.stop));
+                        }
+                        Menu::File => {}
                     }
                 });
             }
@@ -377,7 +395,7 @@ impl Sent {
     }
 }
 
-fn stop_text(stop: &burnish_renderer::path::StopRules) -> String {
+fn stop_text(stop: &StopRules) -> String {
     let mut rules = Vec::new();
     rules.extend(stop.relmse.map(|e| format!("{} % error", crate::widgets::number::format(100.0 * e.sqrt(), 2))));
     rules.extend(stop.spp.map(|spp| format!("{spp} samples per pixel")));

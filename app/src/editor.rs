@@ -169,9 +169,13 @@ impl Default for Orbit {
 }
 
 impl Orbit {
-    /// The camera at this place.
-    pub fn camera(&self) -> Camera {
-        Camera::orbit(self.target, self.azimuth_deg, self.elevation_deg, self.distance, self.fov_deg)
+    /// The camera at this place for a picture of this aspect (width over height).
+    ///
+    /// In a picture that is higher than wide the field of view holds across, so that the object stays inside.
+    pub fn camera(&self, aspect: f32) -> Camera {
+        let half = (self.fov_deg.to_radians() * 0.5).tan() / aspect.clamp(0.05, 1.0);
+        let fov_deg = 2.0 * half.atan().to_degrees();
+        Camera::orbit(self.target, self.azimuth_deg, self.elevation_deg, self.distance, fov_deg)
     }
 
     /// The first look at a model: its own default camera.
@@ -197,7 +201,7 @@ impl Orbit {
 
     /// Shifts the target so that it follows the pointer; in fractions of the picture's height.
     pub fn pan(&mut self, dx: f32, dy: f32) {
-        let basis = self.camera().basis(1.0);
+        let basis = self.camera(1.0).basis(1.0);
         let shift = (-dx * basis.right + dy * basis.up) * 2.0 * self.distance;
         if shift.is_finite() {
             self.target += shift;
@@ -263,13 +267,13 @@ impl Editor {
         Self { document: Document::new(Material::named("New material")), view: View::default(), model: None, environment: None }
     }
 
-    /// The scene that both renderers draw; `None` while a part of it is being made.
-    pub fn scene(&self) -> Option<Scene> {
+    /// The scene that both renderers draw, for pictures of this aspect; `None` while a part of it is being made.
+    pub fn scene(&self, aspect: f32) -> Option<Scene> {
         let model = self.model.as_ref()?;
         let environment = EnvironmentLight { map: self.environment.clone()?, rotation_deg: self.view.environment_deg, scale: 1.0 };
         let material = Arc::new(self.document.material.clone());
         let mut scene = Scene::of_model(model, material, self.document.textures.clone(), environment, model.unit_mm);
-        scene.camera = self.view.orbit.camera();
+        scene.camera = self.view.orbit.camera(aspect);
         Some(scene)
     }
 

@@ -5,7 +5,7 @@ use burnish_renderer::scene::Scene;
 use burnish_renderer::tonemap::Display;
 use egui_wgpu::{RenderState, wgpu};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// The preview, or the sentence that says why there is none.
 pub struct LivePreview {
@@ -13,7 +13,41 @@ pub struct LivePreview {
     /// What the device complained about while running.
     complaint: Arc<Mutex<Option<String>>>,
     is_refining: bool,
-    last_draw: Duration,
+    pace: Pace,
+}
+
+/// How long frames take, so that a slow adapter draws fewer pixels while the mouse is down.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pace {
+    /// Seconds per million pixels, smoothed; 0 before the first measurement.
+    seconds_per_megapixel: f64,
+    /// When the last frame was drawn, and of how many million pixels.
+    last: Option<(Instant, f64)>,
+}
+
+/// A frame that takes longer than this feels slow under the hand.
+const SMOOTH_SECONDS: f64 = 0.06;
+
+impl Pace {
+    /// The divisor of width and height that keeps a frame below [`SMOOTH_SECONDS`].
+    fn divisor(&self, megapixels: f64) -> u32 {
+        let seconds = self.seconds_per_megapixel * megapixels;
+        [1, 2, 3].into_iter().find(|d| seconds / f64::from(d * d) < SMOOTH_SECONDS).unwrap_or(4)
+    }
+
+    /// Notes that a frame begins. Frames in a row tell how long one takes; after a pause they tell nothing.
+    fn begin(&mut self, megapixels: f64) {
+        let now = Instant::now();
+        if let Some((since, drawn)) = self.last {
+            let seconds = (now - since).as_secs_f64();
+            if drawn > 0.0 && seconds < 2.0 {
+                let measured = seconds / drawn;
+                let old = self.seconds_per_megapixel;
+                self.seconds_per_megapixel = if old == 0.0 { measured } else { 0.6 * old + 0.4 * measured };
+            }
+        }
+        self.last = Some((now, megapixels));
+    }
 }
 
 struct Gpu {
@@ -39,17 +73,22 @@ impl LivePreview {
                 Gpu { preview, render_state: render_state.clone(), texture: None, drawn: None, has_scene: false }
             }),
         };
-        Self { state, complaint, is_refining: false, last_draw: Duration::ZERO }
+        Self { state, complaint, is_refining: false, pace: Pace::default() }
     }
 
     /// A preview that is switched off, with the reason.
     pub fn off(reason: impl Into<String>) -> Self {
-        Self { state: Err(reason.into()), complaint: Arc::default(), is_refining: false, last_draw: Duration::ZERO }
+        Self { state: Err(reason.into()), complaint: Arc::default(), is_refining: false, pace: Pace::default() }
     }
 
     /// Why there is no preview.
     pub fn problem(&self) -> Option<&str> {
         self.state.as_ref().err().map(String::as_str)
+    }
+
+    /// What is not as it should be although the preview draws.
+    pub fn complaint(&self) -> Option<String> {
+        self.state.as_ref().ok()?.preview.error().map(ToString::to_string)
     }
 
     /// Name of the graphics adapter.
@@ -67,7 +106,9 @@ impl LivePreview {
     }
 
     /// Draws one more frame if there is anything to draw, and returns the texture to show.
-    pub fn draw(&mut self, (width, height): (u32, u32), display: Display) -> Option<egui::TextureId> {
+    ///
+    /// While the user `is_busy` with the mouse, a slow adapter draws fewer pixels; the full number follows.
+    pub fn draw(&mut self, (width, height): (u32, u32), display: Display, is_busy: bool) -> Option<egui::TextureId> {
         let complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(complaint) = complaint {
             let first_line = complaint.lines().find(|line| !line.trim().is_empty()).unwrap_or_default().trim().to_owned();
@@ -77,10 +118,13 @@ impl LivePreview {
         if !gpu.has_scene || width == 0 || height == 0 {
             return None;
         }
+        let divisor = if is_busy { self.pace.divisor(f64::from(width) * f64::from(height) * 1e-6) } else { 1 };
+        let (width, height) = ((width / divisor).max(1), (height / divisor).max(1));
         if gpu.drawn == Some(((width, height), display)) && !self.is_refining {
+            self.pace.last = None;
             return gpu.texture;
         }
-        let start = Instant::now();
+        self.pace.begin(f64::from(width) * f64::from(height) * 1e-6);
         let RenderState { device, queue, renderer, .. } = &gpu.render_state;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("preview") });
         self.is_refining = gpu.preview.draw(device, queue, &mut encoder, width, height, display);
@@ -94,18 +138,12 @@ impl LivePreview {
             }
         }
         gpu.drawn = Some(((width, height), display));
-        self.last_draw = start.elapsed();
         gpu.texture
     }
 
     /// Whether further frames would refine the picture.
     pub fn is_refining(&self) -> bool {
         self.state.is_ok() && self.is_refining
-    }
-
-    /// Time the window spent on the last frame of the preview.
-    pub fn last_draw(&self) -> Duration {
-        self.last_draw
     }
 
     /// Size and linear radiance of the last frame, for export.

@@ -66,7 +66,7 @@ pub enum SceneFileError {
         /// Key that names the asset.
         key: String,
         /// Why.
-        source: AssetError,
+        source: Box<AssetError>,
     },
 }
 
@@ -86,7 +86,7 @@ impl std::error::Error for SceneFileError {
         match self {
             Self::Read { source, .. } => Some(source),
             Self::NotJson { source, .. } => Some(source),
-            Self::Asset { source, .. } => Some(source),
+            Self::Asset { source, .. } => Some(source.as_ref()),
             Self::Unexpected { .. } => None,
         }
     }
@@ -248,7 +248,7 @@ impl Reader<'_> {
     }
 
     fn asset(&self, node: &Node, source: AssetError) -> SceneFileError {
-        SceneFileError::Asset { path: self.path.to_path_buf(), key: node.key.clone(), source }
+        SceneFileError::Asset { path: self.path.to_path_buf(), key: node.key.clone(), source: Box::new(source) }
     }
 
     fn materials(&mut self, node: &Node) -> Result<BTreeMap<String, Arc<Material>>, SceneFileError> {

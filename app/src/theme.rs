@@ -24,7 +24,20 @@ pub const WEAK: Color32 = Color32::from_gray(146);
 /// Applies the look to a context.
 pub fn apply(ctx: &egui::Context) {
     ctx.set_theme(egui::Theme::Dark);
+    ctx.set_fonts(fonts());
+    // On a slow machine a frame may take longer than egui's 0.8 seconds, and a click must not get lost by that.
+    ctx.options_mut(|options| options.input_options.max_click_duration = 3.0);
     ctx.style_mut_of(egui::Theme::Dark, style);
+}
+
+/// The default fonts, with the monospaced one to fall back on: it has the arrows that the others lack.
+fn fonts() -> egui::FontDefinitions {
+    let mut fonts = egui::FontDefinitions::default();
+    let monospace = fonts.families.get(&egui::FontFamily::Monospace).and_then(|names| names.first().cloned());
+    if let (Some(name), Some(proportional)) = (monospace, fonts.families.get_mut(&egui::FontFamily::Proportional)) {
+        proportional.push(name);
+    }
+    fonts
 }
 
 fn style(style: &mut Style) {

@@ -65,7 +65,7 @@ impl Place {
         self.command().args(words).output().unwrap().into()
     }
 
-    /// Runs `render` on the tiny scene with these words; `{out}` of them must be there afterwards.
+    /// Runs `render` on the tiny scene with these words.
     fn render(&self, words: &[&str]) -> Run {
         let scene = ["render", "--scene", "scenes/quad.json", "--size", "32x32"];
         self.run(&[&scene[..], words].concat())
@@ -127,7 +127,6 @@ fn unusable_arguments_exit_with_2_and_one_line() {
     place.write("scenes/asm.json", &SCENE.replace("\"roughness\": 0.5", "\"roughness\": [1, 2]"));
     place.write("scenes/name.json", &SCENE.replace("\"material\": \"test\"", "\"material\": \"chalk\""));
     place.write("scenes/plain.json", &SCENE.replace("\"test\"", "\"chalk\""));
-    let out = ["--out", "a.png"];
     let cases: &[(&[&str], &[&str])] = &[
         (&["render"], &["--out"]),
         (&["render", "red.asm.ron"], &["--out"]),
@@ -182,7 +181,7 @@ fn unusable_arguments_exit_with_2_and_one_line() {
             assert!(run.err.contains(text), "{words:?}: expected `{text}` in: {}", run.err);
         }
     }
-    assert_eq!(place.names(), before, "{out:?}: a failed run leaves no file");
+    assert_eq!(place.names(), before, "a failed run leaves no file");
 }
 
 #[test]
@@ -275,7 +274,7 @@ fn pictures_do_not_depend_on_threads_but_on_the_seed() {
 #[test]
 fn exr_holds_layers_and_png_has_them_beside_it() {
     let place = Place::new();
-    let layers = ["--aov", "albedo,normal,depth,variance,samples", "--transparent", "--spp", "4"];
+    let layers = ["--aov", "albedo,normal,depth,variance,samples,albedo", "--transparent", "--spp", "4"];
     assert_eq!(place.render(&[&layers[..], &["--out", "a.exr"]].concat()).code, Some(0));
     let image = exr::prelude::read_first_flat_layer_from_file(place.path("a.exr")).unwrap();
     let channels = &image.layer_data.channel_data.list;
@@ -298,6 +297,26 @@ fn exr_holds_layers_and_png_has_them_beside_it() {
     }
     let picture = image::open(place.path("b.png")).unwrap().to_rgba8();
     assert_eq!((picture.get_pixel(16, 16)[3], picture.get_pixel(0, 0)[3]), (255, 0));
+}
+
+#[test]
+fn the_preview_needs_an_adapter_and_says_so() {
+    let place = Place::new();
+    let run = place.render(&["--view", "preview", "--spp", "2", "--out", "a.png", "--json"]);
+    if run.code == Some(2) && std::env::var_os("BURNISH_REQUIRE_GPU").is_none() {
+        assert!(run.err.contains("--view preview: ") && !place.path("a.png").exists(), "{}", run.err);
+        eprintln!("skipped: {}", run.err);
+        return;
+    }
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert_eq!((&run.json()["view"], &run.json()["relmse_estimate"]), (&"preview".into(), &Value::Null));
+    let picture = image::open(place.path("a.png")).unwrap().to_rgb8();
+    assert!(picture.get_pixel(16, 16) != picture.get_pixel(0, 0), "the quad differs from the background");
+    for words in [&["--aov", "albedo"][..], &["--transparent"], &["--error", "1%"]] {
+        let refused = place.render(&[words, &["--view", "preview", "--out", "b.png"]].concat());
+        assert_eq!(refused.code, Some(2), "{words:?}");
+        assert!(refused.err.contains("--view final"), "{}", refused.err);
+    }
 }
 
 #[test]

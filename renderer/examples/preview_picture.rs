@@ -13,9 +13,11 @@ fn main() {
     let size: u32 = std::env::var("SIZE").map_or(512, |s| s.parse().unwrap());
     let model: ModelMeshes = make_shape(shape).unwrap().into();
     let mut m = Material::named("x");
+    let mut ev = 0.0;
     let mut transform = DisplayTransform::Neutral;
     for a in &args[5..] {
         let (k, v) = a.split_once('=').unwrap();
+        if k == "ev" { ev = v.parse().unwrap(); continue; }
         if k == "transform" { transform = DisplayTransform::from_word(v).unwrap(); continue; }
         let n: Vec<f64> = v.split(',').map(|x| x.parse().unwrap()).collect();
         let def = PROPERTIES.iter().find(|d| d.is_named(k)).unwrap();
@@ -63,11 +65,17 @@ fn main() {
     draw(&mut p, "frame 0 again");
     let cpu = || { let s = std::fs::read_to_string("/proc/self/stat").unwrap(); let f: Vec<&str> = s.rsplit(") ").next().unwrap().split(' ').collect(); f[11].parse::<f64>().unwrap() / 100.0 };
     let t = Instant::now();
+    p.set_scene(&device, &queue, &scene);
+    p.render(&device, &queue, size, size, 1).unwrap();
+    println!("bake {:?}", t.elapsed());
+    s2.camera.fov_deg += 3e-4;
+    p.set_scene(&device, &queue, &s2);
+    let t = Instant::now();
     let c = cpu();
     p.set_scene(&device, &queue, &scene);
     let pixels = p.render(&device, &queue, size, size, frames).unwrap();
     println!("render {frames}: {:?} steps {} cpu {:.0} ms per step", t.elapsed(), p.steps(), (cpu() - c) * 1e3 / p.steps() as f64);
-    let d = Display { transform, ..Default::default() };
+    let d = Display { transform, exposure_ev: ev };
     let mut ppm = format!("P6 {size} {size} 255\n").into_bytes();
     let mut sum = [0f64; 3];
     for px in &pixels {

@@ -4,6 +4,8 @@
 //! test is watertight (Woop, Benthin, Wald 2013): neighbours compute the same edge function for a shared edge, so no ray slips
 //! between them. It knows nothing of objects or materials; a hit names a triangle by its position in the input.
 
+#![allow(clippy::needless_range_loop, reason = "one number runs over several arrays of lanes or axes")]
+
 use crate::lanes::{Kernel, Lanes, dispatch};
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
@@ -273,7 +275,13 @@ impl Shear {
     fn new(ray: &Ray) -> Self {
         let d = ray.direction.to_array();
         let a = d.map(f32::abs);
-        let kz = if a[0] > a[1] && a[0] > a[2] { 0 } else if a[1] > a[2] { 1 } else { 2 };
+        let kz = if a[0] > a[1] && a[0] > a[2] {
+            0
+        } else if a[1] > a[2] {
+            1
+        } else {
+            2
+        };
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
         let inverse = 1.0 / d[kz];
         let o = ray.origin.to_array();
@@ -309,7 +317,8 @@ impl Block {
         }
         let mut touches = [false; 4];
         for i in 0..4 {
-            touches[i] = (e[0][i] >= 0.0 && e[1][i] >= 0.0 && e[2][i] >= 0.0) || (e[0][i] <= 0.0 && e[1][i] <= 0.0 && e[2][i] <= 0.0);
+            touches[i] =
+                (e[0][i] >= 0.0 && e[1][i] >= 0.0 && e[2][i] >= 0.0) || (e[0][i] <= 0.0 && e[1][i] <= 0.0 && e[2][i] <= 0.0);
         }
         let mut found = false;
         for i in 0..4 {
@@ -370,8 +379,10 @@ impl Collapse<'_> {
                 members[i] = first;
                 members.push(first + 1);
             }
-            let mut node =
-                Node { bounds: std::array::from_fn(|k| [if k < 3 { f32::INFINITY } else { f32::NEG_INFINITY }; 8]), children: [EMPTY; 8] };
+            let mut node = Node {
+                bounds: std::array::from_fn(|k| [if k < 3 { f32::INFINITY } else { f32::NEG_INFINITY }; 8]),
+                children: [EMPTY; 8],
+            };
             for (slot, member) in members.into_iter().enumerate() {
                 let source = &self.binary.nodes[member];
                 let (min, max) = (source.aabb().min.to_array(), source.aabb().max.to_array());

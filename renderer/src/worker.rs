@@ -191,7 +191,8 @@ impl Job<'_> {
             let stats = self.pass(&mut film, 1)?;
             let first = *first_image_seconds.get_or_insert_with(|| self.start.elapsed().as_secs_f64());
             let rate = stats.samples as f64 / begin.elapsed().as_secs_f64().max(1e-9);
-            let snapshot = Snapshot { scale: scale as u32, first_image_seconds: first, ..self.snapshot(&film, &stats, 0.0, rate) };
+            let snapshot =
+                Snapshot { scale: scale as u32, first_image_seconds: first, ..self.snapshot(&film, &stats, 0.0, rate) };
             self.publish(snapshot)?;
             scale /= 2;
         }

@@ -1,6 +1,6 @@
 //! Independent integration of a BSDF over the sphere: knows `eval` only, nothing of sampling.
 
-use burnish_renderer::bsdf::Bsdf;
+use burnish_renderer::bsdf::{Bsdf, Optics};
 use burnish_renderer::lanes::Lanes;
 use burnish_renderer::vector::V3;
 
@@ -19,17 +19,19 @@ pub struct Integral {
     pub pdf: f64,
 }
 
-/// Integrates about the mirror direction and about the straight-through direction bent by `eta`, with polar angles spaced
-/// geometrically: a lobe of width 1e-4 is resolved as well as a cosine. `alpha` is the base's.
-pub fn integrate(bsdf: &Bsdf<'_, f64>, wo: V3<f64>, eta: f64, alpha: f64) -> Integral {
+/// Integrates about the mirror direction and about the refracted direction, with polar angles spaced
+/// geometrically: a lobe of width 1e-4 is resolved as well as a cosine.
+pub fn integrate(bsdf: &Bsdf<'_, f64>, wo: V3<f64>, optics: &Optics<f64>) -> Integral {
+    // A stretched lobe is a thin streak far from its middle.
+    let azimuth = if optics.alpha_x > 4.0 * optics.alpha_y { 16 * AZIMUTH } else { AZIMUTH };
     let mut result = Integral::default();
     let mirror = V3::new(-wo.x, -wo.y, wo.z);
     let side = wo.z.signum();
-    let eta = if wo.z < 0.0 { 1.0 / eta } else { eta };
+    let eta = if wo.z < 0.0 { 1.0 / optics.eta } else { optics.eta };
     let sin = (1.0 - wo.z * wo.z).max(0.0).sqrt() / eta;
     let bent = V3::new(-wo.x / eta, -wo.y / eta, -side * (1.0 - sin * sin).max(1e-6).sqrt()).normalize();
     // Facets of nearly matched media hardly bend, whatever their tilt: a wide lobe piles up at the straight direction.
-    let bent = if (eta - 1.0).abs() < 0.01 && alpha > 0.1 { -wo } else { bent };
+    let bent = if (eta - 1.0).abs() < 0.01 && optics.alpha_x > 0.1 { -wo } else { bent };
     for (axis, is_across) in [(mirror, false), (bent, true)] {
         let helper = if axis.x.abs() < 0.5 { V3::new(1.0, 0.0, 0.0) } else { V3::new(0.0, 1.0, 0.0) };
         let t = axis.cross(helper).normalize();
@@ -41,15 +43,15 @@ pub fn integrate(bsdf: &Bsdf<'_, f64>, wo: V3<f64>, eta: f64, alpha: f64) -> Int
             let theta = std::f64::consts::PI * (k * s).exp_m1() / k.exp_m1();
             let weight_theta = std::f64::consts::PI * k * (k * s).exp() / k.exp_m1() / POLAR as f64;
             let (st, ct) = theta.sin_cos();
-            for j in 0..AZIMUTH {
-                let phi = std::f64::consts::TAU * (j as f64 + 0.5) / AZIMUTH as f64;
+            for j in 0..azimuth {
+                let phi = std::f64::consts::TAU * (j as f64 + 0.5) / azimuth as f64;
                 let (sp, cp) = phi.sin_cos();
                 let wi = t.scale(st * cp) + b.scale(st * sp) + axis.scale(ct);
                 if (wi.z * side > 0.0) == is_across || wi.z == 0.0 {
                     continue;
                 }
                 let (value, pdf) = bsdf.eval(wi);
-                let w = st * weight_theta * std::f64::consts::TAU / AZIMUTH as f64;
+                let w = st * weight_theta * std::f64::consts::TAU / azimuth as f64;
                 let target = if is_across { &mut result.transmitted } else { &mut result.reflected };
                 for c in 0..3 {
                     target[c] += value.0[c] * w;

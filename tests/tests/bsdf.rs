@@ -44,7 +44,7 @@ fn sample_weights_average_to_the_integral_of_eval() {
         let (optics, lobes) = optics::<f64>(material);
         let wo = direction(mu, 0.7);
         let bsdf = Bsdf::prepare(&optics, lobes, wo, Rgb::white());
-        let integral = integrate(&bsdf, wo, optics.eta, optics.alpha_x);
+        let integral = integrate(&bsdf, wo, &optics);
         assert!((0.0..1.003).contains(&integral.pdf), "{name}: density integrates to {}", integral.pdf);
         let n = 40_000;
         let (mut sum, mut square, mut valid) = ([0.0; 3], [0.0; 3], 0.0);

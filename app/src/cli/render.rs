@@ -116,7 +116,7 @@ fn render(arguments: &RenderArguments, default: Option<LoadedMaterial>) -> Resul
     rendered.load_seconds += loading_seconds;
     rendered.first_image_seconds += loading_seconds;
     if rendered.nonfinite > 0 {
-        messages.warn(format!("{} samples were not finite and count as black", rendered.nonfinite));
+        messages.warn(format!("{} contributions were negative or not finite and were left out", rendered.nonfinite));
     }
     rendered.picture.has_alpha = arguments.transparent;
     rendered.picture.job = Some(job(arguments, &loaded, &rendered));
@@ -184,7 +184,10 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
     let mut layers = Vec::new();
     if !arguments.aov.is_empty() {
         let surfaces = surfaces(arguments, loaded);
-        for kind in &arguments.aov {
+        for (i, kind) in arguments.aov.iter().enumerate() {
+            if arguments.aov[..i].contains(kind) {
+                continue;
+            }
             let planes = match kind {
                 LayerKind::Albedo => split(&surfaces.albedo),
                 LayerKind::Normal => split(&surfaces.normal),

@@ -6,6 +6,7 @@ use crate::loading::Job;
 use crate::panels::chart;
 use crate::theme;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
+use burnish_renderer::path::StopRules;
 use burnish_renderer::tonemap::DisplayTransform;
 use egui::{
     Align2, Color32, ComboBox, DragValue, FontId, Label, PointerButton, Rect, Response, RichText, Sense, Slider, SliderClamping,
@@ -186,8 +187,8 @@ pub struct Picture<'a> {
     pub texture: Option<egui::TextureId>,
     /// The word in the corner.
     pub name: &'a str,
-    /// A second line under the name.
-    pub note: String,
+    /// Sentences about what is missing in the picture.
+    pub notes: Vec<String>,
     /// Why there is no picture, if there never will be one.
     pub problem: Option<&'a str>,
 }
@@ -207,13 +208,20 @@ pub fn paint(ui: &mut Ui, rect: Rect, picture: &Picture, is_named: bool) -> bool
             painter.text(rect.center(), Align2::CENTER_CENTER, "preparing…", FontId::proportional(14.0), theme::WEAK);
         }
     }
+    let mut bottom = rect.bottom() - 10.0;
+    let mut line = |text: String, color| {
+        let width = (rect.width() - 40.0).max(60.0);
+        let galley = painter.layout(text, FontId::proportional(12.0), color, width);
+        let place = pos2(rect.left() + 14.0, bottom - galley.size().y);
+        painter.rect_filled(Rect::from_min_size(place, galley.size()).expand2(vec2(6.0, 3.0)), 3, Color32::from_black_alpha(165));
+        bottom = place.y - 9.0;
+        painter.galley(place, galley, color);
+    };
     if is_named {
-        let font = FontId::proportional(12.0);
-        let text = if picture.note.is_empty() { picture.name.to_owned() } else { format!("{}   {}", picture.name, picture.note) };
-        let galley = painter.layout_no_wrap(text, font, Color32::from_gray(225));
-        let place = pos2(rect.left() + 10.0, rect.bottom() - galley.size().y - 10.0);
-        painter.rect_filled(Rect::from_min_size(place, galley.size()).expand2(vec2(6.0, 3.0)), 3, Color32::from_black_alpha(150));
-        painter.galley(place, galley, Color32::WHITE);
+        line(picture.name.to_owned(), Color32::from_gray(225));
+    }
+    for note in &picture.notes {
+        line(format!("⚠ {note}"), theme::WARNING);
     }
     false
 }
@@ -229,6 +237,36 @@ fn paint_problem(ui: &mut Ui, rect: Rect, problem: &str) -> bool {
     inner.label(RichText::new("The final view needs none and works on.").color(theme::TEXT));
     inner.add_space(6.0);
     inner.button("Show final view").clicked()
+}
+
+/// When the final view stops by itself: each rule can be switched off; whichever comes first ends the picture.
+pub fn stop_rules(ui: &mut Ui, stop: &mut StopRules) {
+    ui.set_min_width(230.0);
+    let mut percent = stop.relmse.map(|e| 100.0 * e.sqrt());
+    let mut spp = stop.spp.map(f64::from);
+    rule(ui, "Estimated error", " %", &mut percent, (0.5, 0.01, 100.0));
+    rule(ui, "Samples per pixel", "", &mut spp, (4096.0, 1.0, 1e6));
+    rule(ui, "Time", " s", &mut stop.seconds, (60.0, 0.1, 1e6));
+    // Written back only where it changed: the square root does not come back to the same bits.
+    if percent != stop.relmse.map(|e| 100.0 * e.sqrt()) {
+        stop.relmse = percent.map(|p| (0.01 * p) * (0.01 * p));
+    }
+    stop.spp = spp.map(|x| x as u32);
+}
+
+fn rule(ui: &mut Ui, name: &str, suffix: &str, value: &mut Option<f64>, (default, min, max): (f64, f64, f64)) {
+    ui.horizontal(|ui| {
+        let mut is_on = value.is_some();
+        if ui.checkbox(&mut is_on, name).changed() {
+            *value = is_on.then_some(default);
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(value) = value {
+                let field = DragValue::new(value).range(min..=max).clamp_existing_to_range(false).speed(default / 100.0).suffix(suffix);
+                ui.add(field).accessible_name(format!("{name} limit"));
+            }
+        });
+    });
 }
 
 /// Paints the error chart into the lower right corner of the final view.

@@ -7,6 +7,7 @@ use crate::theme;
 use crate::widgets::{color_edit, number, texture_slot};
 use burnish_material::{Kind, LimitKind, Property, PropertyDef, Slot, Unit, Unreadable, Value, ValueSource, Vary};
 use egui::{DragValue, Key, Label, Layout, Response, RichText, Sense, Slider, SliderClamping, Ui, vec2};
+use std::cell::Cell;
 
 /// Width of the label column.
 pub const LABEL_WIDTH: f32 = 150.0;
@@ -218,9 +219,13 @@ pub fn number_field(
 ) -> Option<f64> {
     let mut new = None;
     let shown = number::field(old);
+    let is_untouched = Cell::new(false);
     let field = DragValue::from_get_set(|set| {
+        // An untouched text stands for the number it was made from, with all its digits and even outside the range,
+        // which egui would enforce on whatever comes from a text.
         if let Some(v) = set
             && v != old
+            && !is_untouched.get()
         {
             new = Some(v);
         }
@@ -233,8 +238,10 @@ pub fn number_field(
     .speed(speed)
     .min_size(vec2(width, ui.spacing().interact_size.y))
     .custom_formatter(|v, _| number::field(v))
-    // An untouched text stands for the number it was made from, with all its digits.
-    .custom_parser(|text| if text.trim() == shown { Some(old) } else { number::parse(text, unit, unit_mm) });
+    .custom_parser(|text| {
+        is_untouched.set(text.trim() == shown);
+        if is_untouched.get() { Some(old) } else { number::parse(text, unit, unit_mm) }
+    });
     ui.scope(|ui| {
         ui.set_max_width(width);
         ui.add(field).accessible_name(name)
@@ -270,7 +277,7 @@ fn trailing(ui: &mut Ui, def: &PropertyDef, slot: &mut Slot, action: &mut Option
     if *slot == Slot::default() {
         return;
     }
-    let button = ui.add(egui::Button::new("↺").frame_when_inactive(false).min_size(size));
+    let button = ui.add(egui::Button::new("⟲").frame_when_inactive(false).min_size(size));
     let text = format!("Reset to {}", value_text(def.default));
     if button.accessible_name(format!("Reset {}", def.label)).on_hover_text(text).clicked() {
         *slot = Slot::default();

@@ -182,7 +182,8 @@ impl PassTarget<'_> {
         let mut next = self.next.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         for row in 0..height {
             let first = (y + row) * self.width + x;
-            next.0[first * REPLICATES..(first + width) * REPLICATES].copy_from_slice(&sums[row * width * REPLICATES..(row + 1) * width * REPLICATES]);
+            next.0[first * REPLICATES..(first + width) * REPLICATES]
+                .copy_from_slice(&sums[row * width * REPLICATES..(row + 1) * width * REPLICATES]);
             next.1[first..first + width].copy_from_slice(&covered[row * width..(row + 1) * width]);
         }
     }

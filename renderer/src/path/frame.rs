@@ -173,7 +173,9 @@ mod tests {
 
     #[test]
     fn bent_normals_face_the_viewer() {
-        for (wo, n) in [(v(1.0, 0.0, 0.05), v(-0.5, 0.0, 1.0)), (v(1.0, 0.0, -0.05), v(0.5, 0.0, 1.0)), (v(0.0, 0.0, 1.0), v(0.0, 0.0, 1.0))] {
+        for (wo, n) in
+            [(v(1.0, 0.0, 0.05), v(-0.5, 0.0, 1.0)), (v(1.0, 0.0, -0.05), v(0.5, 0.0, 1.0)), (v(0.0, 0.0, 1.0), v(0.0, 0.0, 1.0))]
+        {
             let is_front = wo.z > 0.0;
             let bent = facing(n, wo, is_front);
             let cosine = bent.dot(wo) * if is_front { 1.0 } else { -1.0 };

@@ -115,7 +115,13 @@ impl Geometry {
             }
             None
         });
-        if votes[0] == votes[1] || votes[0] == votes[2] { votes[0] } else if votes[1] == votes[2] { votes[1] } else { None }
+        if votes[0] == votes[1] || votes[0] == votes[2] {
+            votes[0]
+        } else if votes[1] == votes[2] {
+            votes[1]
+        } else {
+            None
+        }
     }
 }
 

@@ -6,6 +6,8 @@
 //!
 //! Emissive objects are found by BSDF sampling alone: unbiased, but noisy for small bright ones.
 
+#![allow(clippy::needless_range_loop, reason = "one number runs over several arrays of lanes or axes")]
+
 use crate::lanes::Lanes;
 use crate::scene::EnvironmentLight;
 use crate::vector::{Rgb, V3};
@@ -101,7 +103,8 @@ impl LightTables {
         let (nx, ny) = (2 * self.columns * per_cell_x, 2 * self.rows * per_cell_y);
         let mut mean = 0.0;
         let mut mass = vec![0.0f64; self.rows * self.columns];
-        let luminance = |c: &[f32; 4]| 0.212_639_0 * f64::from(c[0]) + 0.715_168_7 * f64::from(c[1]) + 0.072_192_3 * f64::from(c[2]);
+        let luminance =
+            |c: &[f32; 4]| 0.212_639_0 * f64::from(c[0]) + 0.715_168_7 * f64::from(c[1]) + 0.072_192_3 * f64::from(c[2]);
         let mut weight = 0.0;
         for (j, row) in self.texels.chunks(width + 1).enumerate() {
             let sin = ((j as f64 + 0.5) / height as f64 * PI).sin();
@@ -310,9 +313,10 @@ fn sin_cos_turn<L: Lanes>(turn: L) -> (L, L) {
     let quadrant = (turn * L::of(4.0) + L::of(0.5)).floor();
     let x = (turn - quadrant * L::of(0.25)) * L::of(TAU);
     let x2 = x * x;
-    let s = x * (L::one() + x2 * (L::of(-1.0 / 6.0) + x2 * (L::of(1.0 / 120.0) + x2 * (L::of(-1.0 / 5040.0) + x2 * L::of(1.0 / 362_880.0)))));
-    let c = L::one()
-        + x2 * (L::of(-0.5) + x2 * (L::of(1.0 / 24.0) + x2 * (L::of(-1.0 / 720.0) + x2 * L::of(1.0 / 40_320.0))));
+    let s = x
+        * (L::one()
+            + x2 * (L::of(-1.0 / 6.0) + x2 * (L::of(1.0 / 120.0) + x2 * (L::of(-1.0 / 5040.0) + x2 * L::of(1.0 / 362_880.0)))));
+    let c = L::one() + x2 * (L::of(-0.5) + x2 * (L::of(1.0 / 24.0) + x2 * (L::of(-1.0 / 720.0) + x2 * L::of(1.0 / 40_320.0))));
     let is = |q: f64| quadrant.eq(L::of(q));
     let is_swapped = is(1.0) | is(3.0);
     let (a, b) = (L::select(is_swapped, c, s), L::select(is_swapped, s, c));
@@ -334,7 +338,8 @@ fn atan2<L: Lanes>(y: L, x: L) -> L {
     let z2 = z * z;
     let series = L::one()
         + z2 * (L::of(-1.0 / 3.0)
-            + z2 * (L::of(0.2) + z2 * (L::of(-1.0 / 7.0) + z2 * (L::of(1.0 / 9.0) + z2 * (L::of(-1.0 / 11.0) + z2 * L::of(1.0 / 13.0))))));
+            + z2 * (L::of(0.2)
+                + z2 * (L::of(-1.0 / 7.0) + z2 * (L::of(1.0 / 9.0) + z2 * (L::of(-1.0 / 11.0) + z2 * L::of(1.0 / 13.0))))));
     let a = z * series + L::select(is_upper, L::of(PI / 8.0), L::zero());
     let a = L::select(ay.gt(ax), L::of(PI / 2.0) - a, a);
     let a = L::select(x.lt(L::zero()), L::of(PI) - a, a);
@@ -407,7 +412,8 @@ mod tests {
                 assert!(s.pdf > 0.0);
                 assert!((radiance.0[0] - s.radiance.0[0]).abs() <= 0.05 * s.radiance.0[0] + 2e-3 * peak);
                 let uv = Environment::uv(d);
-                let bin = ((uv.y * rows as f32) as usize).min(rows - 1) * columns + ((uv.x * columns as f32) as usize).min(columns - 1);
+                let bin =
+                    ((uv.y * rows as f32) as usize).min(rows - 1) * columns + ((uv.x * columns as f32) as usize).min(columns - 1);
                 counts[bin] += 1.0;
             }
             assert!(reciprocal / f64::from(N) < 5e-3, "{reciprocal}");

@@ -3,7 +3,7 @@
 use super::PassStats;
 use super::batch::{Paths, Shadows};
 use super::prepared::Prepared;
-use super::sampler::MAX_LANES;
+use super::sampler::per_lane;
 use super::shade::{add, lane_of, load};
 use crate::lanes::{Kernel, Lanes};
 use crate::vector::{Rgb, V3};
@@ -23,7 +23,7 @@ impl Kernel for Miss<'_> {
     fn run<L: Lanes>(self) {
         let Self { prepared, list, paths, stats } = self;
         for ids in list.chunks(L::WIDTH) {
-            let id: [usize; MAX_LANES] = std::array::from_fn(|i| ids[if i < ids.len() { i } else { 0 }] as usize);
+            let id = per_lane(0usize, |i| ids[if i < ids.len() { i } else { 0 }] as usize);
             let [x, y, z] = load::<L>(&paths.direction, &id);
             let (radiance, light_pdf) = prepared.light.eval(V3::new(x, y, z));
             let pdf = L::from_fn(|i| paths.pdf[id[i]]);

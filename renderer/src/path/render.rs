@@ -144,6 +144,9 @@ impl Plan {
         if spp > 0 {
             let per_sample = seconds / f64::from(spp);
             let cap = |room: f64| (room / per_sample.max(1e-9)).min(f64::from(SPP_MAX)) as u32;
+            // Not below one sample per replicate: shorter passes cost more than they show.
+            let chunk = cap(PASS_SECONDS).max(REPLICATES as u32);
+            step = step.min(if chunk >= 16 { chunk / 16 * 16 } else { chunk });
             if let Some(end) = self.stop.seconds {
                 let fits = cap(end - seconds);
                 if fits == 0 {
@@ -151,8 +154,6 @@ impl Plan {
                 }
                 step = step.min(fits);
             }
-            let chunk = cap(PASS_SECONDS).max(1);
-            step = step.min(if chunk >= 16 { chunk / 16 * 16 } else { chunk });
             if spp >= REPLICATES as u32 && step > REPLICATES as u32 {
                 step -= step % REPLICATES as u32;
             }

@@ -11,6 +11,16 @@ pub(super) const MAX_LANES: usize = 16;
 /// One unsigned word per lane.
 pub(super) type Words = [u32; MAX_LANES];
 
+/// An array made lane by lane. A loop, because `std::array::from_fn` is not always inlined into code for wider instructions.
+#[inline(always)]
+pub(super) fn per_lane<T: Copy>(start: T, mut f: impl FnMut(usize) -> T) -> [T; MAX_LANES] {
+    let mut out = [start; MAX_LANES];
+    for (i, x) in out.iter_mut().enumerate() {
+        *x = f(i);
+    }
+    out
+}
+
 /// Vertices of a path that draw from the sequence; later ones draw hashed numbers, where stratification gains nothing.
 const SEQUENCE_VERTICES: u32 = 4;
 /// Groups a vertex draws from.

@@ -75,7 +75,6 @@ pub fn render_pass(
             }
         });
     }
-    drop(target);
     if is_cancelled.load(Ordering::Relaxed) {
         return None;
     }

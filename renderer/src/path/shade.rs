@@ -3,12 +3,14 @@
 //! One call shades all paths that hit one material, as many at a time as there are lanes. The instance with one lane is the
 //! reference: the same source, the same numbers.
 
+#![allow(clippy::needless_range_loop, reason = "one number runs over several arrays of lanes or axes")]
+
 use super::PassStats;
 use super::batch::{Paths, Shadows, Triples};
 use super::frame::{Frame, Point, facing, point, scale_normal};
 use super::geometry::offset;
 use super::prepared::{Prepared, Surface};
-use super::sampler::{Group, MAX_LANES, Words, draw};
+use super::sampler::{Group, MAX_LANES, draw, per_lane};
 use crate::bsdf::{Bsdf, Optics, interpret};
 use crate::bvh::{Hit, Ray};
 use crate::lanes::{Kernel, Lanes, Mask};
@@ -53,11 +55,11 @@ impl Shade<'_> {
     fn group<L: Lanes>(&mut self, ids: &[u32], inputs: &Inputs<L>, uniform: &Optics<L>) {
         let (prepared, surface) = (self.prepared, self.surface);
         let lobes = surface.lobes;
-        let id: [usize; MAX_LANES] = std::array::from_fn(|i| ids[if i < ids.len() { i } else { 0 }] as usize);
+        let id = per_lane(0usize, |i| ids[if i < ids.len() { i } else { 0 }] as usize);
         let is_live = <L::Mask as Mask>::from_fn(|i| i < ids.len());
-        let hits: [Hit; MAX_LANES] = std::array::from_fn(|i| self.paths.hits[id[i]]);
-        let seeds: Words = std::array::from_fn(|i| self.paths.seeds[id[i]]);
-        let indices: Words = std::array::from_fn(|i| self.paths.indices[id[i]]);
+        let hits = per_lane(Hit::MISS, |i| self.paths.hits[id[i]]);
+        let seeds = per_lane(0u32, |i| self.paths.seeds[id[i]]);
+        let indices = per_lane(0u32, |i| self.paths.indices[id[i]]);
         let wo = -load_vector::<L>(&self.paths.direction, &id);
         let mut throughput = Rgb(load(&self.paths.throughput, &id));
         let sigma: Rgb<L> = Rgb(load(&self.paths.sigma, &id));

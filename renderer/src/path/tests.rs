@@ -158,7 +158,8 @@ fn size_does_not_change_the_picture() {
         scaled.camera.origin *= scale;
         let got = picture(&scaled, 32, &[16], 2).0.mean();
         let difference: f64 =
-            got.iter().flatten().zip(reference.iter().flatten()).map(|(a, b)| f64::from((a - b).abs())).sum::<f64>() / (3.0 * 1024.0);
+            got.iter().flatten().zip(reference.iter().flatten()).map(|(a, b)| f64::from((a - b).abs())).sum::<f64>()
+                / (3.0 * 1024.0);
         // Rounding sends a few paths elsewhere.
         assert!(difference < 2e-2, "{scale}: {difference}");
         let sums: [f64; 2] = [&got, &reference].map(|p| p.iter().flatten().map(|c| f64::from(*c)).sum());
@@ -234,8 +235,16 @@ fn one_lane_shades_as_many_do() {
         trace(&prepared, &mut batch);
         let Batch { paths, next, lists, shadows, .. } = &mut batch;
         for (surface, list) in prepared.surfaces.iter().zip(lists.iter()) {
-            let shade =
-                Shade { prepared: &prepared, surface, list, vertex: 0, paths: &mut *paths, next: &mut *next, shadows: &mut *shadows, stats: &mut stats };
+            let shade = Shade {
+                prepared: &prepared,
+                surface,
+                list,
+                vertex: 0,
+                paths: &mut *paths,
+                next: &mut *next,
+                shadows: &mut *shadows,
+                stats: &mut stats,
+            };
             if is_wide { shade.run::<Wide<16>>() } else { shade.run::<f32>() }
         }
         batch
@@ -260,7 +269,8 @@ fn nothing_and_odd_sizes_render() {
     let (film, stats) = picture(&empty, 17, &[2], 2);
     assert!(film.mean().iter().flatten().all(|c| (c - 0.5).abs() < 1e-6) && film.alpha().iter().all(|a| *a == 0.0));
     assert_eq!(stats.nonfinite, 0);
-    let settings = Settings { width: 0, height: 5, seed: 0, threads: 0, stop: StopRules { spp: Some(3), ..StopRules::default() } };
+    let settings =
+        Settings { width: 0, height: 5, seed: 0, threads: 0, stop: StopRules { spp: Some(3), ..StopRules::default() } };
     assert_eq!(render(&mixed(), &settings, &mut |_| true).stop_reason, StopReason::Spp);
 }
 

@@ -50,7 +50,8 @@ impl Texture {
             ColorSpace::Srgb => true,
             ColorSpace::Linear => false,
         };
-        let decode = if is_srgb && image.is_eight_bit { (0..256).map(|i| srgb_decode(i as f32 / 255.0)).collect() } else { Vec::new() };
+        let decode =
+            if is_srgb && image.is_eight_bit { (0..256).map(|i| srgb_decode(i as f32 / 255.0)).collect() } else { Vec::new() };
         // Scale, then rotation, then shift; v grows downwards, so a counterclockwise turn has the sine below the diagonal negative.
         let (sin, cos) = reference.uv_rotation.to_radians().sin_cos();
         let [su, sv] = reference.uv_scale;
@@ -205,7 +206,13 @@ mod tests {
         }
     }
 
-    fn texture(property: Property, texels: Vec<[f32; 4]>, width: usize, is_eight_bit: bool, edit: impl Fn(&mut TextureRef)) -> Texture {
+    fn texture(
+        property: Property,
+        texels: Vec<[f32; 4]>,
+        width: usize,
+        is_eight_bit: bool,
+        edit: impl Fn(&mut TextureRef),
+    ) -> Texture {
         let image = Arc::new(Image { width, height: texels.len() / width, texels, is_eight_bit });
         let mut reference = TextureRef::new("a.png");
         edit(&mut reference);

@@ -22,6 +22,16 @@ pub(super) struct Level {
     pub texels: Vec<Vec3>,
 }
 
+impl Level {
+    /// The texel that unit direction `d` of the map's own frame falls in.
+    pub fn nearest(&self, d: Vec3) -> Vec3 {
+        let uv = Environment::uv(d);
+        let i = ((uv.x * self.width as f32) as usize).min(self.width - 1);
+        let j = ((uv.y * self.height as f32) as usize).min(self.height - 1);
+        self.texels[j * self.width + i]
+    }
+}
+
 /// Everything that follows from an environment and a floor.
 #[derive(Debug)]
 pub(super) struct Prefiltered {
@@ -29,6 +39,10 @@ pub(super) struct Prefiltered {
     pub levels: Vec<Level>,
     /// Irradiance by normal, [`IRRADIANCE_SIZE`].
     pub irradiance: Level,
+    /// What is seen in every direction, floor included, small enough to sum over: about 128 columns.
+    pub seen: Level,
+    /// Irradiance on a horizontal surface.
+    pub up: Vec3,
     /// Mean radiance of the floor.
     pub floor_mean: Vec3,
 }
@@ -71,7 +85,7 @@ pub(super) fn prefilter(environment: &Environment, floor: Option<Vec3>) -> Prefi
             irradiance(&small, n)
         })
         .collect();
-    Prefiltered { levels, irradiance: Level { width, height, texels }, floor_mean }
+    Prefiltered { levels, irradiance: Level { width, height, texels }, seen: small, up, floor_mean }
 }
 
 /// Solid angle of a texel in row `j`.

@@ -44,11 +44,9 @@ fn floor_irradiance(p: vec3f) -> vec3f {
 // Radiance of the floor at `p`, averaged over a disc `across` wide.
 fn floor_radiance(p: vec3f, across: f32) -> vec3f {
     let place = floor_place(p);
-    let texels = across / frame.floor.w * 0.5 * f32(textureDimensions(floor_color).x);
+    let texels = across / frame.floor.w * 0.5 * f32(textureDimensions(floor_map).x);
     let level = log2(max(texels, 1.0));
-    let color = textureSampleLevel(floor_color, floor_sampler, place.xy, level).rgb;
-    let baked = textureSampleLevel(floor_light, floor_sampler, place.xy, max(level - 1.0, 0.0)).rgb;
-    let near = color * max(open_irradiance(vec3f(0.0, 1.0, 0.0)) + baked, vec3f(0.0)) * FRAC_1_PI;
+    let near = textureSampleLevel(floor_map, floor_sampler, place.xy, level).rgb;
     return mix(frame.floor_mean.rgb, near, place.z);
 }
 

@@ -1,13 +1,18 @@
 //! The floor as the preview knows it: a horizontal plane with a colour map. Objects see it in their reflections, and it
 //! has its own light map, since a floor has too few vertices to carry a shadow.
 
+use super::environment::Level;
+use super::upload::chain;
 use crate::scene::{Object, Scene};
 use burnish_assets::Mesh;
 use burnish_material::Property;
 use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
 
 /// Texels along each side of the colour map.
 pub(super) const COLOR_SIZE: usize = 512;
+/// Texels along each side of the light map.
+pub(super) const LIGHT_SIZE: usize = 128;
 /// Half the width of the maps, in radii of the object: at the edge a shadow has faded.
 const HALF_WIDTH_RADII: f32 = 5.0;
 
@@ -26,6 +31,42 @@ pub(super) struct Floor {
     pub color: Vec<Vec3>,
     /// Mean albedo of the map.
     pub mean: Vec3,
+}
+
+impl Floor {
+    /// The middle of a texel of the light map.
+    pub fn place(&self, texel: usize) -> Vec3 {
+        let at = |k: usize| ((k as f32 + 0.5) / LIGHT_SIZE as f32 * 2.0 - 1.0) * self.half_width;
+        Vec3::new(self.center.x + at(texel % LIGHT_SIZE), self.y, self.center.y + at(texel / LIGHT_SIZE))
+    }
+
+    /// Radiance of the floor and its averages, for open irradiance `up` and what bodies take of it.
+    pub fn radiance(&self, up: Vec3, light: Option<&Level>) -> Vec<Level> {
+        let texels = self.color.iter().enumerate().map(|(k, color)| {
+            let at = |k: usize| (k as f32 + 0.5) / COLOR_SIZE as f32 * LIGHT_SIZE as f32 - 0.5;
+            let change = light.map_or(Vec3::ZERO, |light| bilinear(light, at(k % COLOR_SIZE), at(k / COLOR_SIZE)));
+            *color * (up + change).max(Vec3::ZERO) / PI
+        });
+        chain(Level { width: COLOR_SIZE, height: COLOR_SIZE, texels: texels.collect() })
+    }
+
+    /// Radiance at world point `p`, or `None` outside of the maps. Nearest texels: for sums over many.
+    pub fn radiance_at(&self, p: Vec3, up: Vec3, light: &Level) -> Option<Vec3> {
+        let at = (Vec2::new(p.x, p.z) - self.center) / self.half_width * 0.5 + 0.5;
+        if !(at.min_element() >= 0.0 && at.max_element() < 1.0) {
+            return None;
+        }
+        let texel = |n: usize| (at.y * n as f32) as usize * n + (at.x * n as f32) as usize;
+        Some(self.color[texel(COLOR_SIZE)] * (up + light.texels[texel(LIGHT_SIZE)]).max(Vec3::ZERO) / PI)
+    }
+}
+
+fn bilinear(level: &Level, x: f32, y: f32) -> Vec3 {
+    let (x, y) = (x.clamp(0.0, (level.width - 1) as f32), y.clamp(0.0, (level.height - 1) as f32));
+    let (i, j) = ((x as usize).min(level.width - 2), (y as usize).min(level.height - 2));
+    let at = |i: usize, j: usize| level.texels[j * level.width + i];
+    let (fx, fy) = (x - i as f32, y - j as f32);
+    at(i, j).lerp(at(i + 1, j), fx).lerp(at(i, j + 1).lerp(at(i + 1, j + 1), fx), fy)
 }
 
 /// Whether an object is a part of the floor: not edited, flat, horizontal, facing up.

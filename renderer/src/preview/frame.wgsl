@@ -29,7 +29,7 @@ struct Frame {
 @group(0) @binding(2) var environment_sampler: sampler;
 @group(0) @binding(3) var irradiance_map: texture_2d<f32>;
 @group(0) @binding(4) var floor_light: texture_2d<f32>;
-@group(0) @binding(5) var floor_color: texture_2d<f32>;
+@group(0) @binding(5) var floor_map: texture_2d<f32>;
 @group(0) @binding(6) var floor_sampler: sampler;
 @group(0) @binding(7) var<storage, read> albedo_tables: array<f32>;
 

@@ -175,11 +175,11 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
     s.covered_c = in.covered_c;
 
     // Light on the surface: open sky and floor, less what is covered; between the body's own walls it goes to and fro.
-    var light = open_irradiance(s.n);
-    if object.params.y > 0.5 {
+    var light = vec3f(0.0);
+    if IS_FLOOR {
         light = floor_irradiance(s.position);
-    } else if frame.samples.w > 0.5 {
-        light = max(light + in.baked_light.xyz, vec3f(0.0));
+    } else {
+        light = max(open_irradiance(s.n) + in.baked_light.xyz, vec3f(0.0));
     }
     let bounce = reflected_color(optics) * min(s.self_share, 0.9);
     light = light * frame.environment.z / (1.0 - bounce);

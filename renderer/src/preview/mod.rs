@@ -37,21 +37,40 @@ use bake::Baker;
 use burnish_assets::{Environment, Mesh};
 use burnish_material::{LobeSet, Material};
 use device::guarded;
+use environment::Prefiltered;
 use floor::Floor;
 use glam::{Vec2, Vec3};
-use pipelines::Pipelines;
+use pipelines::{PipelineKind, Pipelines};
 use std::sync::Arc;
 use targets::Targets;
 use upload::{FrameBlock, MeshBuffers};
 use wgpu::util::DeviceExt;
 
-/// Pictures that the first frame is the mean of: they stand in for anti-aliasing.
-const FIRST_TAPS: u32 = 4;
-/// Samples per lobe in each of them, and in each later frame.
-const FIRST_SAMPLES: u32 = 4;
+/// Pictures that the first frame is the mean of, at most: they stand in for anti-aliasing.
+const TAPS_MAX: u32 = 4;
+/// Samples per lobe in each picture after the first frame.
 const LATER_SAMPLES: u32 = 8;
 /// Pictures after which nothing visible changes any more.
 const STEPS_MAX: u32 = 64;
+
+/// How the first frame is made.
+#[derive(Clone, Copy, Debug)]
+struct First {
+    /// Pictures, at most [`TAPS_MAX`].
+    taps: u32,
+    /// Samples per lobe in each.
+    samples: u32,
+}
+
+impl First {
+    /// A software adapter takes as long for the vertices as for everything else: one picture there, four elsewhere.
+    fn on(device: &wgpu::Device) -> Self {
+        match device.adapter_info().device_type {
+            wgpu::DeviceType::Cpu => Self { taps: 1, samples: 8 },
+            _ => Self { taps: TAPS_MAX, samples: 4 },
+        }
+    }
+}
 
 /// The preview of one scene. Needs a device and a queue, and no window.
 #[derive(Debug)]
@@ -72,6 +91,7 @@ pub struct Preview {
     steps: u32,
     /// The picture in the mean was drawn with a pipeline that did not fit.
     is_provisional: bool,
+    first: First,
     error: Option<PreviewError>,
 }
 
@@ -87,10 +107,9 @@ struct Samplers {
 struct Light {
     map: Arc<Environment>,
     floor_albedo: Option<Vec3>,
-    levels: usize,
+    made: Arc<Prefiltered>,
     radiance: wgpu::TextureView,
     irradiance: wgpu::TextureView,
-    floor_mean: Vec3,
 }
 
 /// The floor on the device, and the meshes and materials that it was made from.
@@ -98,7 +117,9 @@ struct Light {
 struct Stage {
     key: Vec<(Arc<Mesh>, Arc<Material>)>,
     floor: Option<Floor>,
-    color: wgpu::TextureView,
+    /// Radiance of the floor, as reflections see it; needs the environment.
+    radiance: wgpu::TextureView,
+    /// Irradiance that the floor gains or loses.
     light: wgpu::TextureView,
 }
 
@@ -113,12 +134,18 @@ struct Drawn {
     bind: wgpu::BindGroup,
 }
 
+impl Drawn {
+    fn kind(&self) -> PipelineKind {
+        PipelineKind { lobes: self.lobes, is_floor: floor::is_floor(&self.object) }
+    }
+}
+
 impl Preview {
     /// Compiles the passes that every picture needs. Takes some tens of milliseconds.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self, PreviewError> {
         let pipelines = Pipelines::new(device)?;
         let blocks = |label, size: usize| {
-            (0..FIRST_TAPS + 1)
+            (0..TAPS_MAX + 1)
                 .map(|_| {
                     device.create_buffer(&wgpu::BufferDescriptor {
                         label: Some(label),
@@ -138,7 +165,7 @@ impl Preview {
             usage: wgpu::BufferUsages::STORAGE,
         });
         let black = || upload::upload_levels(device, queue, "no floor", &[upload::black()]);
-        let stage = Stage { key: Vec::new(), floor: None, color: black()?, light: black()? };
+        let stage = Stage { key: Vec::new(), floor: None, radiance: black()?, light: black()? };
         Ok(Self {
             pipelines,
             samplers: Samplers::new(device),
@@ -154,6 +181,7 @@ impl Preview {
             targets: None,
             steps: 0,
             is_provisional: false,
+            first: First::on(device),
             error: None,
         })
     }
@@ -198,7 +226,9 @@ impl Preview {
             self.steps = 0;
         }
         self.scene = Some(scene.clone());
-        self.baker.request(scene, self.stage.floor.as_ref(), self.light.as_ref().map_or(Vec3::ZERO, |l| l.floor_mean));
+        if let Some(light) = &self.light {
+            self.baker.request(scene, self.stage.floor.as_ref(), &light.made);
+        }
         if is_rebound {
             self.bind_frame(device);
         }
@@ -213,18 +243,10 @@ impl Preview {
         if is_same {
             return Ok(false);
         }
-        let floor = floor::find(scene);
-        let color = floor.as_ref().map_or_else(upload::black, |f| environment::Level {
-            width: floor::COLOR_SIZE,
-            height: floor::COLOR_SIZE,
-            texels: f.color.clone(),
-        });
-        self.stage = Stage {
-            key,
-            floor,
-            color: upload::upload_levels(device, queue, "floor colour", &upload::chain(color))?,
-            light: upload::upload_levels(device, queue, "floor light", &[upload::black()])?,
-        };
+        let black = |label| upload::upload_levels(device, queue, label, &[upload::black()]);
+        self.stage = Stage { key, floor: floor::find(scene), radiance: black("floor radiance")?, light: black("floor light")? };
+        // The environment was filtered for the old floor.
+        self.light = None;
         Ok(true)
     }
 
@@ -234,13 +256,16 @@ impl Preview {
             return Ok(false);
         }
         let made = environment::prefilter(&scene.environment.map, floor_albedo);
+        if let Some(floor) = &self.stage.floor {
+            self.stage.radiance = upload::upload_levels(device, queue, "floor radiance", &floor.radiance(made.up, None))?;
+            self.stage.light = upload::upload_levels(device, queue, "floor light", &[upload::black()])?;
+        }
         self.light = Some(Light {
             map: scene.environment.map.clone(),
             floor_albedo,
-            levels: made.levels.len(),
             radiance: upload::upload_levels(device, queue, "environment", &made.levels)?,
-            irradiance: upload::upload_levels(device, queue, "irradiance", &[made.irradiance])?,
-            floor_mean: made.floor_mean,
+            irradiance: upload::upload_levels(device, queue, "irradiance", std::slice::from_ref(&made.irradiance))?,
+            made: Arc::new(made),
         });
         Ok(true)
     }
@@ -332,7 +357,7 @@ impl Preview {
                         sampler(2, &self.samplers.sphere),
                         view(3, &light.irradiance),
                         view(4, &self.stage.light),
-                        view(5, &self.stage.color),
+                        view(5, &self.stage.radiance),
                         sampler(6, &self.samplers.floor),
                         wgpu::BindGroupEntry { binding: 7, resource: self.tables.as_entire_binding() },
                     ],
@@ -390,7 +415,7 @@ impl Preview {
         let mut pipelines = Vec::with_capacity(order.len());
         let mut is_fitting = true;
         for &i in &order {
-            let (made, fits) = self.pipelines.for_lobes(device, self.objects[i].lobes, false)?;
+            let (made, fits) = self.pipelines.for_lobes(device, self.objects[i].kind(), false)?;
             is_fitting &= fits;
             pipelines.push(made);
         }
@@ -400,7 +425,7 @@ impl Preview {
         self.is_provisional = !is_fitting;
 
         let Some(targets) = &self.targets else { return Ok(false) };
-        let taps = if self.steps == 0 { FIRST_TAPS } else { u32::from(self.steps < STEPS_MAX) };
+        let taps = if self.steps == 0 { self.first.taps } else { u32::from(self.steps < STEPS_MAX) };
         for tap in 0..taps {
             let step = self.steps + tap;
             let block = self.frame_block(&scene, width, height, step);
@@ -416,7 +441,7 @@ impl Preview {
         self.steps += taps;
 
         let last = (self.steps as usize + 1) % 2;
-        let slot = FIRST_TAPS as usize;
+        let slot = TAPS_MAX as usize;
         let params = [0.0, display.exposure_ev, display.transform as u32 as f32, 0.0];
         queue.write_buffer(&self.output_blocks[slot], 0, bytemuck::cast_slice(&params));
         let bind = targets.bind(device, &self.pipelines.layouts, &self.output_blocks[slot], &targets.mean_views[last], &targets.color);
@@ -432,8 +457,9 @@ impl Preview {
                 queue.write_buffer(&drawn.buffers.baked, 0, bytemuck::cast_slice(vertices));
             }
         }
-        if let Some(floor) = baked.floor {
-            self.stage.light = upload::upload_levels(device, queue, "floor light", &upload::chain(floor))?;
+        if let Some((light, radiance)) = baked.floor {
+            self.stage.light = upload::upload_levels(device, queue, "floor light", std::slice::from_ref(&light))?;
+            self.stage.radiance = upload::upload_levels(device, queue, "floor radiance", &radiance)?;
             self.bind_frame(device);
         }
         self.steps = 0;
@@ -480,14 +506,15 @@ impl Preview {
         let four = |v: Vec3, w: f32| v.extend(w).to_array();
         let bounds = scene.document_bounds();
         let near = ((basis.origin - bounds.center()).length() * 1e-3).max(1e-6);
-        let shift = (jitter(step) * 2.0) / Vec2::new(width as f32, height as f32);
+        let shift = (jitter(step, self.first.taps) * 2.0) / Vec2::new(width as f32, height as f32);
         let (sin, cos) = scene.environment.rotation_deg.to_radians().sin_cos();
         let light = self.light.as_ref();
         let floor = self.stage.floor.as_ref();
-        let (first, count, all) = if step < FIRST_TAPS {
-            (step * FIRST_SAMPLES, FIRST_SAMPLES, FIRST_TAPS * FIRST_SAMPLES)
+        let First { taps, samples } = self.first;
+        let (first, count, all) = if step < taps {
+            (step * samples, samples, taps * samples)
         } else {
-            let before = FIRST_TAPS * FIRST_SAMPLES + (step - FIRST_TAPS) * LATER_SAMPLES;
+            let before = taps * samples + (step - taps) * LATER_SAMPLES;
             (before, LATER_SAMPLES, before + LATER_SAMPLES)
         };
         FrameBlock {
@@ -498,9 +525,9 @@ impl Preview {
             up: four(basis.up, 0.0),
             forward: four(basis.forward, 0.0),
             jitter: [shift.x, shift.y, width as f32, height as f32],
-            environment: [cos, sin, scene.environment.scale, light.map_or(1.0, |l| l.levels as f32)],
+            environment: [cos, sin, scene.environment.scale, light.map_or(1.0, |l| l.made.levels.len() as f32)],
             floor: floor.map_or([0.0; 4], |f| [f.center.x, f.y, f.center.y, f.half_width]),
-            floor_mean: four(light.map_or(Vec3::ZERO, |l| l.floor_mean), floor.map_or(0.0, |f| f.reach)),
+            floor_mean: four(light.map_or(Vec3::ZERO, |l| l.made.floor_mean), floor.map_or(0.0, |f| f.reach)),
             samples: [first as f32, count as f32, all as f32, f32::from(u8::from(self.baker.has_result()))],
             body: four(bounds.center(), bounds.radius()),
         }
@@ -526,8 +553,8 @@ impl Preview {
         height: u32,
         frames: u32,
     ) -> Result<Vec<[f32; 4]>, PreviewError> {
-        for lobes in self.objects.iter().map(|d| d.lobes).collect::<Vec<_>>() {
-            self.pipelines.for_lobes(device, lobes, true)?;
+        for kind in self.objects.iter().map(Drawn::kind).collect::<Vec<_>>() {
+            self.pipelines.for_lobes(device, kind, true)?;
         }
         self.baker.wait();
         for _ in 0..frames.max(1) {
@@ -584,12 +611,15 @@ fn screen_pass(
     pass.draw(0..3, 0..1);
 }
 
-/// Place of a picture within the pixel, -0.5 to 0.5: a rotated grid first, then an even sequence (Roberts 2018).
-fn jitter(step: u32) -> Vec2 {
-    const GRID: [Vec2; FIRST_TAPS as usize] =
+/// Place of a picture within the pixel, -0.5 to 0.5: its middle or a rotated grid first, then an even sequence (Roberts 2018).
+fn jitter(step: u32, taps: u32) -> Vec2 {
+    const GRID: [Vec2; TAPS_MAX as usize] =
         [Vec2::new(-0.125, -0.375), Vec2::new(0.375, -0.125), Vec2::new(-0.375, 0.125), Vec2::new(0.125, 0.375)];
-    GRID.get(step as usize).copied().unwrap_or_else(|| {
-        let k = (step - FIRST_TAPS) as f32;
-        Vec2::new((0.5 + k * 0.754_877_7).fract() - 0.5, (0.5 + k * 0.569_840_3).fract() - 0.5)
-    })
+    match GRID.get(step as usize) {
+        Some(place) if taps == TAPS_MAX => *place,
+        _ => {
+            let k = step.saturating_sub(if taps == TAPS_MAX { taps } else { 0 }) as f32;
+            Vec2::new((0.5 + k * 0.754_877_7).fract() - 0.5, (0.5 + k * 0.569_840_3).fract() - 0.5)
+        }
+    }
 }

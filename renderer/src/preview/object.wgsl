@@ -1,13 +1,16 @@
 // One object's material: property rows, texture maps, and what the picture needs to know of the object itself.
 // Mirrors `ObjectBlock` in `upload.rs`.
 
+// Whether this draws the floor, whose light comes from its own map.
+override IS_FLOOR: bool = false;
+
 struct Object {
     rows: MaterialRows,
     // Per map: the matrix from uv, by rows.
     map_matrix: array<vec4f, 32>,
     // Per map: xy shift, z: 0 repeat, 1 clamp, 2 mirror.
     map_shift: array<vec4f, 32>,
-    // x: scene units per unit of length of the material; y: 1 for the floor; z: 1 for the edited object.
+    // x: scene units per unit of length of the material.
     params: vec4f,
 }
 

@@ -32,6 +32,13 @@ pub(super) struct ObjectPipelines {
     pub front: wgpu::RenderPipeline,
 }
 
+/// What a pipeline is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct PipelineKind {
+    pub lobes: LobeSet,
+    pub is_floor: bool,
+}
+
 /// Everything compiled so far.
 #[derive(Debug)]
 pub(super) struct Pipelines {
@@ -41,12 +48,12 @@ pub(super) struct Pipelines {
     pub display: wgpu::RenderPipeline,
     module: wgpu::ShaderModule,
     object_layout: wgpu::PipelineLayout,
-    ready: HashMap<LobeSet, ObjectPipelines>,
-    pending: HashSet<LobeSet>,
+    ready: HashMap<PipelineKind, ObjectPipelines>,
+    pending: HashSet<PipelineKind>,
     finished: (Sender<Finished>, Receiver<Finished>),
 }
 
-type Finished = (LobeSet, Result<ObjectPipelines, PreviewError>);
+type Finished = (PipelineKind, Result<ObjectPipelines, PreviewError>);
 
 impl Pipelines {
     /// Compiles what every picture needs. Objects follow as they appear.
@@ -109,43 +116,44 @@ impl Pipelines {
         })
     }
 
-    /// The pipelines for a lobe set, or those of the smallest larger set, or any: never nothing once one is ready.
+    /// The pipelines for a kind, or those of the smallest larger lobe set, or any: never nothing once one is ready.
     ///
-    /// A set that is missing is ordered; with `wait`, or while there is nothing else to draw with, it is made at once.
+    /// A kind that is missing is ordered; with `wait`, or while there is nothing else to draw with, it is made at once.
     /// The flag says whether the picture is the right one.
-    pub fn for_lobes(&mut self, device: &wgpu::Device, lobes: LobeSet, wait: bool) -> Result<(ObjectPipelines, bool), PreviewError> {
+    pub fn for_lobes(&mut self, device: &wgpu::Device, kind: PipelineKind, wait: bool) -> Result<(ObjectPipelines, bool), PreviewError> {
         self.collect()?;
-        if let Some(made) = self.ready.get(&lobes) {
+        if let Some(made) = self.ready.get(&kind) {
             return Ok((made.clone(), true));
         }
-        let holds = |set: &LobeSet| set.union(lobes) == *set;
-        let larger = self.ready.keys().filter(|set| holds(set)).min_by_key(|set| set.names(true).len()).copied();
-        if wait || (larger.is_none() && self.ready.is_empty()) {
-            let made = make(device, &self.module, &self.object_layout, lobes)?;
-            self.ready.insert(lobes, made.clone());
+        let size = |k: &PipelineKind| k.lobes.names(true).len();
+        let holds = |k: &PipelineKind| k.is_floor == kind.is_floor && k.lobes.union(kind.lobes) == k.lobes;
+        let larger = self.ready.keys().filter(|k| holds(k)).min_by_key(|k| size(k)).copied();
+        let like = |k: &&PipelineKind| k.is_floor == kind.is_floor;
+        let Some(nearest) = larger.or_else(|| self.ready.keys().filter(like).max_by_key(|k| size(k)).copied()).filter(|_| !wait) else {
+            let made = make(device, &self.module, &self.object_layout, kind)?;
+            self.ready.insert(kind, made.clone());
             return Ok((made, true));
-        }
-        self.order(device, lobes);
-        let fallback = larger.or_else(|| self.ready.keys().max_by_key(|set| set.names(true).len()).copied());
-        match fallback.and_then(|set| self.ready.get(&set)) {
+        };
+        self.order(device, kind);
+        match self.ready.get(&nearest) {
             Some(made) => Ok((made.clone(), false)),
             None => Err(PreviewError::Shader("no pipeline is ready".to_owned())),
         }
     }
 
-    /// Compiles a lobe set on a thread, unless that is under way.
-    pub fn order(&mut self, device: &wgpu::Device, lobes: LobeSet) {
-        if self.ready.contains_key(&lobes) || !self.pending.insert(lobes) {
+    /// Compiles a kind on a thread, unless that is under way.
+    fn order(&mut self, device: &wgpu::Device, kind: PipelineKind) {
+        if !self.pending.insert(kind) {
             return;
         }
         let (device, module, layout) = (device.clone(), self.module.clone(), self.object_layout.clone());
         let sender = self.finished.0.clone();
         let work = move || {
             // The receiver may be gone with the preview; then nobody wants the pipeline.
-            _ = sender.send((lobes, make(&device, &module, &layout, lobes)));
+            _ = sender.send((kind, make(&device, &module, &layout, kind)));
         };
         if std::thread::Builder::new().name("preview pipeline".to_owned()).spawn(work).is_err() {
-            self.pending.remove(&lobes);
+            self.pending.remove(&kind);
         }
     }
 
@@ -154,11 +162,11 @@ impl Pipelines {
         !self.pending.is_empty()
     }
 
-    /// Takes what the threads have finished. An error leaves the set pending, so that it is not tried for ever.
+    /// Takes what the threads have finished.
     fn collect(&mut self) -> Result<(), PreviewError> {
-        while let Ok((lobes, made)) = self.finished.1.try_recv() {
-            self.ready.insert(lobes, made?);
-            self.pending.remove(&lobes);
+        while let Ok((kind, made)) = self.finished.1.try_recv() {
+            self.pending.remove(&kind);
+            self.ready.insert(kind, made?);
         }
         Ok(())
     }
@@ -184,15 +192,17 @@ fn depth_state(writes: bool, compare: wgpu::CompareFunction) -> wgpu::DepthStenc
     }
 }
 
-/// Makes the pipelines of one lobe set.
+/// Makes the pipelines of one kind.
 fn make(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     layout: &wgpu::PipelineLayout,
-    lobes: LobeSet,
+    kind: PipelineKind,
 ) -> Result<ObjectPipelines, PreviewError> {
-    let constants: Vec<(&str, f64)> = LOBES.iter().map(|def| (def.switch, f64::from(u8::from(lobes.has(def.lobe))))).collect();
-    let is_cut = lobes.has(burnish_material::Lobe::opacity);
+    let number = |x: bool| f64::from(u8::from(x));
+    let mut constants: Vec<(&str, f64)> = LOBES.iter().map(|def| (def.switch, number(kind.lobes.has(def.lobe)))).collect();
+    constants.push(("IS_FLOOR", number(kind.is_floor)));
+    let is_cut = kind.lobes.has(burnish_material::Lobe::opacity);
     let one = |cull_mode| {
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("object"),

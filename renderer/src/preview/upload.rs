@@ -2,7 +2,6 @@
 
 use super::device::{PreviewError, guarded};
 use super::environment::{Level, half_texels};
-use super::floor::is_floor;
 use crate::scene::Object;
 use burnish_assets::{Image, Mesh};
 use burnish_material::{Channel, ColorSpace, Kind, PROPERTIES, PROPERTY_COUNT, Property, TextureRef, Vary, Wrap};
@@ -108,12 +107,7 @@ pub(super) fn object_block(object: &Object) -> ObjectBlock {
         rows: [[0.0; 4]; PROPERTY_COUNT],
         map_matrix: [[1.0, 0.0, 0.0, 1.0]; MAPS_MAX],
         map_shift: [[0.0; 4]; MAPS_MAX],
-        params: [
-            object.length_scale as f32,
-            f32::from(u8::from(is_floor(object))),
-            f32::from(u8::from(object.is_document)),
-            0.0,
-        ],
+        params: [object.length_scale as f32, 0.0, 0.0, 0.0],
     };
     for def in PROPERTIES {
         block.rows[def.id as usize] = object.material.value(def.id).row();
