@@ -25,6 +25,10 @@ use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use screenshot::Screenshot;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The hand counts as resting this long after the last event.
+const REST: Duration = Duration::from_millis(250);
 
 /// What waits for an answer about unsaved changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +64,8 @@ pub struct App {
     sent: Option<Sent>,
     /// Size of one picture in pixels, from the last frame.
     picture_size: (usize, usize),
+    /// When the user last did anything.
+    last_input: Instant,
     /// What the question about unsaved changes is for.
     asking: Option<After>,
     /// What goes on once the document is saved.
@@ -105,6 +111,7 @@ impl App {
             final_view: None,
             sent: None,
             picture_size: (0, 0),
+            last_input: Instant::now(),
             asking: None,
             after_save: None,
             is_closing: false,
@@ -150,6 +157,9 @@ impl App {
     /// One frame.
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
+        if ctx.input(|i| !i.raw.events.is_empty() || i.pointer.any_down()) {
+            self.last_input = Instant::now();
+        }
         self.collect(&ctx);
         for command in Command::pressed(&ctx) {
             self.carry_out(command, &ctx);
@@ -265,10 +275,10 @@ impl App {
         let loading = self.editor.model.is_none() || self.editor.environment.is_none();
         if let Some(rect) = layout.preview {
             let size = (self.picture_size.0 as u32, self.picture_size.1 as u32);
-            let is_busy = ctx.input(|i| i.pointer.any_down());
+            let is_busy = self.last_input.elapsed() < REST;
             let texture = if loading { None } else { self.preview.draw(size, display, is_busy) };
-            if self.preview.is_refining() {
-                ctx.request_repaint();
+            if self.preview.is_owing() {
+                ctx.request_repaint_after(REST.saturating_sub(self.last_input.elapsed()).min(if is_busy { REST } else { Duration::ZERO }));
             }
             let note = self.preview.complaint().into_iter().collect();
             let picture = Picture { texture, name: "Preview", notes: note, problem: self.preview.problem() };
@@ -309,7 +319,7 @@ impl App {
             }
             (true, None) => ("Final   starting…".into(), String::new()),
             (false, _) => {
-                let state = if self.preview.is_refining() { "refining" } else { "" };
+                let state = if self.preview.is_owing() { "refining" } else { "" };
                 (format!("{preview}   {state}"), format!("{preview} on {adapter}\nThe final view is paused; press \\ to see it."))
             }
         };

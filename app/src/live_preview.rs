@@ -13,49 +13,83 @@ pub struct LivePreview {
     /// What the device complained about while running.
     complaint: Arc<Mutex<Option<String>>>,
     is_refining: bool,
+    /// Whether the picture is not yet what it will be.
+    is_owing: bool,
     pace: Pace,
 }
 
-/// How long frames take, so that a slow adapter draws fewer pixels while the mouse is down.
+/// How long frames take, so that a slow adapter draws less while the user is at work.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pace {
+    /// Whether the adapter is a program on the processor. Its work blocks the window, so it can be timed by waiting for it.
+    is_software: bool,
     /// Seconds per million pixels, smoothed; 0 before the first measurement.
     seconds_per_megapixel: f64,
-    /// When the last frame was drawn, and of how many million pixels.
+    /// When the last frame was drawn, and of how many million pixels; `None` after a pause.
     last: Option<(Instant, f64)>,
 }
 
 /// A frame that takes longer than this feels slow under the hand.
 const SMOOTH_SECONDS: f64 = 0.06;
+/// What is assumed of a software adapter before it was measured.
+const SOFTWARE_SECONDS_PER_MEGAPIXEL: f64 = 0.8;
 
 impl Pace {
-    /// The divisor of width and height that keeps a frame below [`SMOOTH_SECONDS`].
-    fn divisor(&self, megapixels: f64) -> u32 {
-        let seconds = self.seconds_per_megapixel * megapixels;
-        [1, 2, 3].into_iter().find(|d| seconds / f64::from(d * d) < SMOOTH_SECONDS).unwrap_or(4)
+    fn of(adapter: &wgpu::AdapterInfo) -> Self {
+        let is_software = adapter.device_type == wgpu::DeviceType::Cpu;
+        Self { is_software, seconds_per_megapixel: if is_software { SOFTWARE_SECONDS_PER_MEGAPIXEL } else { 0.0 }, last: None }
     }
 
-    /// Notes that a frame begins. Frames in a row tell how long one takes; after a pause they tell nothing.
-    fn begin(&mut self, megapixels: f64) {
-        let now = Instant::now();
-        if let Some((since, drawn)) = self.last {
-            let seconds = (now - since).as_secs_f64();
-            if drawn > 0.0 && seconds < 2.0 {
-                let measured = seconds / drawn;
-                let old = self.seconds_per_megapixel;
-                self.seconds_per_megapixel = if old == 0.0 { measured } else { 0.6 * old + 0.4 * measured };
-            }
-        }
-        self.last = Some((now, megapixels));
+    fn is_slow(&self, pixels: (u32, u32)) -> bool {
+        self.seconds_per_megapixel * megapixels(pixels) > SMOOTH_SECONDS
     }
+
+    /// The divisor of width and height that keeps a frame below [`SMOOTH_SECONDS`], at most 6.
+    fn divisor(&self, pixels: (u32, u32)) -> u32 {
+        let seconds = self.seconds_per_megapixel * megapixels(pixels);
+        (1..6).find(|d| seconds / f64::from(d * d) < SMOOTH_SECONDS).unwrap_or(6)
+    }
+
+    fn measured(&mut self, seconds: f64, megapixels: f64) {
+        let new = seconds / megapixels.max(1e-3);
+        let old = self.seconds_per_megapixel;
+        self.seconds_per_megapixel = if old == 0.0 { new } else { 0.5 * (old + new) };
+    }
+
+    /// Notes that a frame begins. On hardware, frames in a row tell how long one takes.
+    fn begin(&mut self, pixels: (u32, u32)) {
+        let now = Instant::now();
+        if let Some((since, drawn)) = self.last
+            && !self.is_software
+        {
+            self.measured((now - since).as_secs_f64(), drawn);
+        }
+        self.last = Some((now, megapixels(pixels)));
+    }
+
+    /// Waits for the frame where waiting costs nothing, and notes its time.
+    fn end(&mut self, device: &wgpu::Device) {
+        if let Some((since, drawn)) = self.last
+            && self.is_software
+            && device.poll(wgpu::PollType::wait_indefinitely()).is_ok()
+        {
+            self.measured(since.elapsed().as_secs_f64(), drawn);
+        }
+    }
+}
+
+fn megapixels((width, height): (u32, u32)) -> f64 {
+    f64::from(width) * f64::from(height) * 1e-6
 }
 
 struct Gpu {
     preview: Preview,
     render_state: RenderState,
     texture: Option<egui::TextureId>,
-    /// What the target was drawn for; `None` when something changed since.
+    /// What the target was drawn for.
     drawn: Option<((u32, u32), Display)>,
+    /// Whether the scene changed since.
+    is_stale: bool,
     has_scene: bool,
 }
 
@@ -63,6 +97,7 @@ impl LivePreview {
     /// Makes the preview on the window's device. Without one, or where it does not suffice, that is a state to show.
     pub fn new(render_state: Option<&RenderState>) -> Self {
         let complaint: Arc<Mutex<Option<String>>> = Arc::default();
+        let pace = render_state.map(|state| Pace::of(&state.adapter.get_info())).unwrap_or_default();
         let state = match render_state {
             None => Err("this window has no GPU device".to_owned()),
             Some(render_state) => Preview::new(&render_state.device, &render_state.queue).map_err(|error| error.to_string()).map(|preview| {
@@ -70,15 +105,15 @@ impl LivePreview {
                 render_state.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
                     sink.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
                 }));
-                Gpu { preview, render_state: render_state.clone(), texture: None, drawn: None, has_scene: false }
+                Gpu { preview, render_state: render_state.clone(), texture: None, drawn: None, is_stale: true, has_scene: false }
             }),
         };
-        Self { state, complaint, is_refining: false, pace: Pace::default() }
+        Self { state, complaint, is_refining: false, is_owing: false, pace }
     }
 
     /// A preview that is switched off, with the reason.
     pub fn off(reason: impl Into<String>) -> Self {
-        Self { state: Err(reason.into()), complaint: Arc::default(), is_refining: false, pace: Pace::default() }
+        Self { state: Err(reason.into()), complaint: Arc::default(), is_refining: false, is_owing: false, pace: Pace::default() }
     }
 
     /// Why there is no preview.
@@ -100,35 +135,43 @@ impl LivePreview {
     pub fn set_scene(&mut self, scene: &Scene) {
         if let Ok(gpu) = &mut self.state {
             gpu.preview.set_scene(&gpu.render_state.device, &gpu.render_state.queue, scene);
-            gpu.drawn = None;
+            gpu.is_stale = true;
             gpu.has_scene = true;
         }
     }
 
     /// Draws one more frame if there is anything to draw, and returns the texture to show.
     ///
-    /// While the user `is_busy` with the mouse, a slow adapter draws fewer pixels; the full number follows.
-    pub fn draw(&mut self, (width, height): (u32, u32), display: Display, is_busy: bool) -> Option<egui::TextureId> {
+    /// `full` is the size of the picture in pixels. While the user `is_busy`, a slow adapter draws only what changed, and
+    /// fewer pixels of it, so that the window follows the hand; the full picture comes when the hand rests.
+    pub fn draw(&mut self, full: (u32, u32), display: Display, is_busy: bool) -> Option<egui::TextureId> {
         let complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(complaint) = complaint {
             let first_line = complaint.lines().find(|line| !line.trim().is_empty()).unwrap_or_default().trim().to_owned();
             self.state = Err(format!("the graphics driver refused it: {first_line}"));
         }
         let Ok(gpu) = &mut self.state else { return None };
-        if !gpu.has_scene || width == 0 || height == 0 {
+        if !gpu.has_scene || full.0 == 0 || full.1 == 0 {
             return None;
         }
-        let divisor = if is_busy { self.pace.divisor(f64::from(width) * f64::from(height) * 1e-6) } else { 1 };
-        let (width, height) = ((width / divisor).max(1), (height / divisor).max(1));
-        if gpu.drawn == Some(((width, height), display)) && !self.is_refining {
+        let is_held_back = is_busy && self.pace.is_slow(full);
+        let divisor = if is_held_back { self.pace.divisor(full) } else { 1 };
+        let (width, height) = ((full.0 / divisor).max(1), (full.1 / divisor).max(1));
+        if let Some((drawn, by)) = gpu.drawn
+            && !gpu.is_stale
+            && by == display
+            && (is_held_back || (drawn == full && !self.is_refining))
+        {
+            self.is_owing = self.is_refining || drawn != full;
             self.pace.last = None;
             return gpu.texture;
         }
-        self.pace.begin(f64::from(width) * f64::from(height) * 1e-6);
+        self.pace.begin((width, height));
         let RenderState { device, queue, renderer, .. } = &gpu.render_state;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("preview") });
         self.is_refining = gpu.preview.draw(device, queue, &mut encoder, width, height, display);
         queue.submit([encoder.finish()]);
+        self.pace.end(device);
         if let Some(view) = gpu.preview.display_view() {
             let mut renderer = renderer.write();
             let filter = wgpu::FilterMode::Linear;
@@ -138,12 +181,14 @@ impl LivePreview {
             }
         }
         gpu.drawn = Some(((width, height), display));
+        gpu.is_stale = false;
+        self.is_owing = self.is_refining || (width, height) != full;
         gpu.texture
     }
 
-    /// Whether further frames would refine the picture.
-    pub fn is_refining(&self) -> bool {
-        self.state.is_ok() && self.is_refining
+    /// Whether the picture is not yet what it will be.
+    pub fn is_owing(&self) -> bool {
+        self.state.is_ok() && self.is_owing
     }
 
     /// Size and linear radiance of the last frame, for export.

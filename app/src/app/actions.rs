@@ -286,6 +286,9 @@ impl App {
     }
 
     fn loaded(&mut self, done: Done) {
+        if matches!(done.result, Ok(Loaded::Material(_))) {
+            self.messages.clear();
+        }
         for warning in done.warnings {
             self.messages.warning(warning);
         }

@@ -63,7 +63,7 @@ impl App {
         if self.loader.is_busy() || self.editor.model.is_none() || self.editor.environment.is_none() {
             return false;
         }
-        let is_preview_ready = self.preview.problem().is_some() || !self.preview.is_refining();
+        let is_preview_ready = self.preview.problem().is_some() || !self.preview.is_owing();
         let is_final_ready = self
             .final_view
             .as_ref()

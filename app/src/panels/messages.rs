@@ -1,7 +1,7 @@
 //! Messages over the viewport's upper left corner: what failed, what was strange, what went well. They never move anything.
 
 use crate::theme;
-use egui::{Align2, Area, Color32, Frame, Id, Label, Margin, Order, Rect, RichText, Ui, vec2};
+use egui::{Align2, Area, Color32, Frame, Id, Label, Layout, Margin, Order, Rect, RichText, Ui, vec2};
 
 /// How much a message matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,6 +64,11 @@ impl Messages {
         self.list.push(Message { severity, text, since: None });
     }
 
+    /// Forgets what was said, because it was about something that is no longer here.
+    pub fn clear(&mut self) {
+        self.list.clear();
+    }
+
     /// What was done last.
     pub fn last_info(&self) -> &str {
         &self.last_info
@@ -121,10 +126,12 @@ fn show_one(ui: &mut Ui, index: usize, message: &Message, dismissed: &mut Option
         .corner_radius(4)
         .inner_margin(Margin::symmetric(8, 5))
         .show(ui, |ui| {
+            ui.set_width(ui.available_width());
             ui.horizontal_top(|ui| {
                 ui.label(RichText::new(icon).color(color));
-                ui.scope(|ui| {
-                    ui.set_max_width((ui.available_width() - 28.0).max(60.0));
+                let text_width = (ui.available_width() - 30.0).max(60.0);
+                ui.allocate_ui_with_layout(vec2(text_width, 0.0), Layout::top_down(egui::Align::Min), |ui| {
+                    ui.set_width(text_width);
                     ui.add(Label::new(RichText::new(&message.text).color(theme::TEXT)).wrap());
                 });
                 let button = ui.add(egui::Button::new("×").frame_when_inactive(false));

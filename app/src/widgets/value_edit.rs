@@ -322,7 +322,8 @@ fn notes(ui: &mut Ui, def: &PropertyDef, slot: &Slot, row: &Row) {
     if let Some(unreadable) = row.unreadable
         && slot.value.is_none()
     {
-        note(theme::WARNING, format!("⚠ line {}: {} — {}", unreadable.line, unreadable.text, unreadable.reason));
+        let text = if unreadable.reason.contains(&unreadable.text) { String::new() } else { format!("{}: ", unreadable.text) };
+        note(theme::WARNING, format!("⚠ line {}: {text}{}", unreadable.line, unreadable.reason));
     }
     if let Some(reason) = row.without_effect
         && *slot != Slot::default()
