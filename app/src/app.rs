@@ -8,13 +8,13 @@ use crate::dialogs::{Dialogs, SystemDialogs};
 use crate::editor::{Document, Editor, ViewMode};
 use crate::history::History;
 use crate::live_final::LiveFinal;
-use crate::live_preview::LivePreview;
+use crate::live_preview::{LivePreview, REST};
 use crate::loading::{Job, Loader};
 use crate::panels::messages::Messages;
 use crate::panels::presets::PresetPanel;
 use crate::panels::properties::PropertyPanel;
-use crate::panels::viewport::{self, Layout, Picture, Wish};
 use crate::panels::status::{self, Status};
+use crate::panels::viewport::{self, Layout, Picture, Wish};
 use crate::theme;
 use crate::widgets::value_edit::RowAction;
 use burnish_assets::{ENVIRONMENTS, Environment, SHAPES};
@@ -26,9 +26,6 @@ use screenshot::Screenshot;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// The hand counts as resting this long after the last event.
-const REST: Duration = Duration::from_millis(250);
 
 /// What waits for an answer about unsaved changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -275,10 +272,11 @@ impl App {
         let loading = self.editor.model.is_none() || self.editor.environment.is_none();
         if let Some(rect) = layout.preview {
             let size = (self.picture_size.0 as u32, self.picture_size.1 as u32);
-            let is_busy = self.last_input.elapsed() < REST;
-            let texture = if loading { None } else { self.preview.draw(size, display, is_busy) };
+            let idle = self.last_input.elapsed();
+            let texture = if loading { None } else { self.preview.draw(size, display, idle) };
             if self.preview.is_owing() {
-                ctx.request_repaint_after(REST.saturating_sub(self.last_input.elapsed()).min(if is_busy { REST } else { Duration::ZERO }));
+                // Right after an event, wait for the hand to rest; then go on without a pause.
+                ctx.request_repaint_after(REST.saturating_sub(idle).min(Duration::from_millis(60)));
             }
             let note = self.preview.complaint().into_iter().collect();
             let picture = Picture { texture, name: "Preview", notes: note, problem: self.preview.problem() };
@@ -305,7 +303,8 @@ impl App {
         let goal = self.editor.view.stop.relmse;
         let adapter = self.preview.adapter().unwrap_or_default();
         let preview = format!("Preview {width} × {height}");
-        let (picture, details) = match (self.editor.view.mode.has_final(), self.final_view.as_ref().and_then(LiveFinal::current)) {
+        let (picture, details) = match (self.editor.view.mode.has_final(), self.final_view.as_ref().and_then(LiveFinal::current))
+        {
             (true, Some(snapshot)) => {
                 let first = format!("First image after {:.0} ms.", 1000.0 * snapshot.first_image_seconds);
                 (

@@ -212,7 +212,10 @@ impl Command {
 
     /// Whether a line in the menu comes before it.
     pub fn starts_section(self) -> bool {
-        matches!(self, Self::LoadModel | Self::SavePng | Self::Quit | Self::ResetAll | Self::Frame | Self::ExposureUp | Self::TogglePanels)
+        matches!(
+            self,
+            Self::LoadModel | Self::SavePng | Self::Quit | Self::ResetAll | Self::Frame | Self::ExposureUp | Self::TogglePanels
+        )
     }
 
     /// Whether a text field has its own meaning for the keys: undo there takes back typing.

@@ -164,7 +164,13 @@ pub struct Orbit {
 
 impl Default for Orbit {
     fn default() -> Self {
-        Self { target: Vec3::ZERO, azimuth_deg: 0.0, elevation_deg: DEFAULT_ELEVATION_DEG, distance: 5.0, fov_deg: DEFAULT_FOV_DEG }
+        Self {
+            target: Vec3::ZERO,
+            azimuth_deg: 0.0,
+            elevation_deg: DEFAULT_ELEVATION_DEG,
+            distance: 5.0,
+            fov_deg: DEFAULT_FOV_DEG,
+        }
     }
 }
 
@@ -270,7 +276,8 @@ impl Editor {
     /// The scene that both renderers draw, for pictures of this aspect; `None` while a part of it is being made.
     pub fn scene(&self, aspect: f32) -> Option<Scene> {
         let model = self.model.as_ref()?;
-        let environment = EnvironmentLight { map: self.environment.clone()?, rotation_deg: self.view.environment_deg, scale: 1.0 };
+        let environment =
+            EnvironmentLight { map: self.environment.clone()?, rotation_deg: self.view.environment_deg, scale: 1.0 };
         let material = Arc::new(self.document.material.clone());
         let mut scene = Scene::of_model(model, material, self.document.textures.clone(), environment, model.unit_mm);
         scene.camera = self.view.orbit.camera(aspect);

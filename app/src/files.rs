@@ -166,7 +166,10 @@ pub fn load_textures(material: &Material, folder: Option<&Path>) -> (TextureSet,
                 textures.insert(texture.path.clone(), Arc::new(image));
             }
             Err(error) => {
-                failed.push((texture.path.clone(), format!("{}: the value is used instead of the texture: {error}", property.def().name)));
+                failed.push((
+                    texture.path.clone(),
+                    format!("{}: the value is used instead of the texture: {error}", property.def().name),
+                ));
             }
         }
     }

@@ -5,7 +5,7 @@ use burnish_renderer::scene::Scene;
 use burnish_renderer::tonemap::Display;
 use egui_wgpu::{RenderState, wgpu};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The preview, or the sentence that says why there is none.
 pub struct LivePreview {
@@ -31,6 +31,12 @@ struct Pace {
 
 /// A frame that takes longer than this feels slow under the hand.
 const SMOOTH_SECONDS: f64 = 0.06;
+/// The hand counts as resting this long after the last event.
+pub const REST: Duration = Duration::from_millis(250);
+/// What a frame may take after [`REST`], and after a long rest, when nobody waits for the window.
+const REST_SECONDS: f64 = 0.4;
+const LONG_REST: Duration = Duration::from_millis(1500);
+const LONG_REST_SECONDS: f64 = 1.0;
 /// What is assumed of a software adapter before it was measured.
 const SOFTWARE_SECONDS_PER_MEGAPIXEL: f64 = 0.8;
 
@@ -44,10 +50,10 @@ impl Pace {
         self.seconds_per_megapixel * megapixels(pixels) > SMOOTH_SECONDS
     }
 
-    /// The divisor of width and height that keeps a frame below [`SMOOTH_SECONDS`], at most 6.
-    fn divisor(&self, pixels: (u32, u32)) -> u32 {
+    /// The divisor of width and height that keeps a frame below `limit` seconds, at most 5.
+    fn divisor(&self, pixels: (u32, u32), limit: f64) -> u32 {
         let seconds = self.seconds_per_megapixel * megapixels(pixels);
-        (1..6).find(|d| seconds / f64::from(d * d) < SMOOTH_SECONDS).unwrap_or(6)
+        (1..5).find(|d| seconds / f64::from(d * d) < limit).unwrap_or(5)
     }
 
     fn measured(&mut self, seconds: f64, megapixels: f64) {
@@ -62,7 +68,7 @@ impl Pace {
         if let Some((since, drawn)) = self.last
             && !self.is_software
         {
-            self.measured((now - since).as_secs_f64(), drawn);
+            self.measured((now - since).as_secs_f64().min(1.0), drawn);
         }
         self.last = Some((now, megapixels(pixels)));
     }
@@ -100,13 +106,22 @@ impl LivePreview {
         let pace = render_state.map(|state| Pace::of(&state.adapter.get_info())).unwrap_or_default();
         let state = match render_state {
             None => Err("this window has no GPU device".to_owned()),
-            Some(render_state) => Preview::new(&render_state.device, &render_state.queue).map_err(|error| error.to_string()).map(|preview| {
-                let sink = complaint.clone();
-                render_state.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-                    sink.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
-                }));
-                Gpu { preview, render_state: render_state.clone(), texture: None, drawn: None, is_stale: true, has_scene: false }
-            }),
+            Some(render_state) => {
+                Preview::new(&render_state.device, &render_state.queue).map_err(|error| error.to_string()).map(|preview| {
+                    let sink = complaint.clone();
+                    render_state.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+                        sink.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
+                    }));
+                    Gpu {
+                        preview,
+                        render_state: render_state.clone(),
+                        texture: None,
+                        drawn: None,
+                        is_stale: true,
+                        has_scene: false,
+                    }
+                })
+            }
         };
         Self { state, complaint, is_refining: false, is_owing: false, pace }
     }
@@ -142,9 +157,9 @@ impl LivePreview {
 
     /// Draws one more frame if there is anything to draw, and returns the texture to show.
     ///
-    /// `full` is the size of the picture in pixels. While the user `is_busy`, a slow adapter draws only what changed, and
-    /// fewer pixels of it, so that the window follows the hand; the full picture comes when the hand rests.
-    pub fn draw(&mut self, full: (u32, u32), display: Display, is_busy: bool) -> Option<egui::TextureId> {
+    /// `full` is the size of the picture in pixels, `idle` the time since the user did anything. A slow adapter draws what
+    /// changed in fewer pixels first, so that the window follows the hand, and more of them the longer the hand rests.
+    pub fn draw(&mut self, full: (u32, u32), display: Display, idle: Duration) -> Option<egui::TextureId> {
         let complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(complaint) = complaint {
             let first_line = complaint.lines().find(|line| !line.trim().is_empty()).unwrap_or_default().trim().to_owned();
@@ -154,22 +169,34 @@ impl LivePreview {
         if !gpu.has_scene || full.0 == 0 || full.1 == 0 {
             return None;
         }
-        let is_held_back = is_busy && self.pace.is_slow(full);
-        let divisor = if is_held_back { self.pace.divisor(full) } else { 1 };
-        let (width, height) = ((full.0 / divisor).max(1), (full.1 / divisor).max(1));
-        if let Some((drawn, by)) = gpu.drawn
-            && !gpu.is_stale
-            && by == display
-            && (is_held_back || (drawn == full && !self.is_refining))
+        let is_new = gpu.is_stale || gpu.drawn.is_none_or(|(_, by)| by != display);
+        let is_held_back = !is_new && idle < REST && self.pace.is_slow(full);
+        let limit = match idle {
+            _ if is_new || idle < REST => SMOOTH_SECONDS,
+            idle if idle < LONG_REST => REST_SECONDS,
+            _ => LONG_REST_SECONDS,
+        };
+        let divisor = self.pace.divisor(full, limit);
+        let mut size = ((full.0 / divisor).max(1), (full.1 / divisor).max(1));
+        if let Some((drawn, _)) = gpu.drawn
+            && !is_new
         {
-            self.is_owing = self.is_refining || drawn != full;
-            self.pace.last = None;
-            return gpu.texture;
+            // What is finer than it had to be stays, unless the picture's size changed.
+            let [across, down] = [(drawn.0, full.1), (drawn.1, full.0)].map(|(a, b)| u64::from(a) * u64::from(b));
+            let keeps_shape = across.abs_diff(down) <= u64::from(full.0 + full.1);
+            if drawn.0 > size.0 && drawn.0 <= full.0 && keeps_shape {
+                size = drawn;
+            }
+            if is_held_back || (drawn == size && !self.is_refining) {
+                self.is_owing = self.is_refining || (drawn != full && idle < LONG_REST + REST);
+                self.pace.last = None;
+                return gpu.texture;
+            }
         }
-        self.pace.begin((width, height));
+        self.pace.begin(size);
         let RenderState { device, queue, renderer, .. } = &gpu.render_state;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("preview") });
-        self.is_refining = gpu.preview.draw(device, queue, &mut encoder, width, height, display);
+        self.is_refining = gpu.preview.draw(device, queue, &mut encoder, size.0, size.1, display);
         queue.submit([encoder.finish()]);
         self.pace.end(device);
         if let Some(view) = gpu.preview.display_view() {
@@ -180,9 +207,9 @@ impl LivePreview {
                 None => gpu.texture = Some(renderer.register_native_texture(device, view, filter)),
             }
         }
-        gpu.drawn = Some(((width, height), display));
+        gpu.drawn = Some((size, display));
         gpu.is_stale = false;
-        self.is_owing = self.is_refining || (width, height) != full;
+        self.is_owing = self.is_refining || size != full;
         gpu.texture
     }
 
@@ -195,7 +222,8 @@ impl LivePreview {
     pub fn read_linear(&mut self) -> Result<(u32, u32, Vec<[f32; 4]>), String> {
         let gpu = self.state.as_mut().map_err(|reason| reason.clone())?;
         let Some(((width, height), _)) = gpu.drawn else { return Err("the preview has not drawn yet".into()) };
-        let pixels = gpu.preview.read_linear(&gpu.render_state.device, &gpu.render_state.queue).map_err(|error| error.to_string())?;
+        let pixels =
+            gpu.preview.read_linear(&gpu.render_state.device, &gpu.render_state.queue).map_err(|error| error.to_string())?;
         Ok((width, height, pixels))
     }
 }

@@ -417,13 +417,18 @@ fn check_tells_errors_from_warnings() {
     place.write("lib/nan.asm.ron", "{\n\n\"properties\": {\"roughness\": NaN}}");
     place.write("lib/broken.asm.ron", "{\"properties\": ");
     fs::write(place.path("lib/binary.asm.ron"), [0xff, 0xfe, 0x00, 0x80]).unwrap();
-    place.write("lib/texture.asm.ron", "{\"properties\": {\"roughness\": {\"texture\": \"none.png\"}}}");
+    place.write("lib/texture.asm.ron", "{\"properties\": {\"roughness\": {\"texture\": {\"path\": \"none.png\"}}}}");
     let failed = place.run(&["check", "lib", "--json"]);
     assert_eq!((failed.code, failed.err.as_str()), (Some(1), ""));
     let json = failed.json();
     assert_eq!((&json["files"], &json["errors"]), (&6.into(), &3.into()), "{json}");
     let rows = json["rows"].as_array().unwrap();
-    let nan = rows.iter().find(|row| row["file"].as_str().unwrap().ends_with("nan.asm.ron")).unwrap();
+    assert!(
+        rows.iter().any(|row| row["severity"] == "warning" && row["message"].as_str().unwrap().contains("none.png")),
+        "{json}"
+    );
+    let nan =
+        rows.iter().find(|row| row["severity"] == "error" && row["file"].as_str().unwrap().ends_with("nan.asm.ron")).unwrap();
     assert_eq!((&nan["severity"], &nan["line"]), (&"error".into(), &3.into()), "{nan}");
     assert!(nan["key"].as_str().unwrap().contains("roughness"), "{nan}");
 

@@ -21,9 +21,8 @@ fn window_with(paths: Vec<PathBuf>) -> Window {
     let mut window = Harness::builder().with_size([1280.0, 2600.0]).build_ui_state(
         move |ui: &mut egui::Ui, app: &mut Option<App>| {
             let paths = paths.clone();
-            let app = app.get_or_insert_with(|| {
-                App::new(ui.ctx(), None, Box::new(PreparedDialogs::new(paths))).without_final_view()
-            });
+            let app =
+                app.get_or_insert_with(|| App::new(ui.ctx(), None, Box::new(PreparedDialogs::new(paths))).without_final_view());
             app.frame(ui);
         },
         None,

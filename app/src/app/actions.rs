@@ -190,7 +190,8 @@ impl App {
         let changed = document.file().changed(&document.material);
         let text = document.file().to_text(&document.material);
         let saved = files::save_atomic(&path, text.as_bytes()).map_err(|error| error.to_string()).and_then(|()| {
-            let reread = std::fs::read_to_string(&path).map_err(|error| format!("{}: cannot be read back: {error}", path.display()))?;
+            let reread =
+                std::fs::read_to_string(&path).map_err(|error| format!("{}: cannot be read back: {error}", path.display()))?;
             let (file, _) = MaterialFile::parse(&reread).map_err(|error| format!("{}: {error}", path.display()))?;
             Ok((reread == text, file))
         });
@@ -210,7 +211,8 @@ impl App {
                     self.go_on(after, ctx);
                 }
             }
-            Ok(_) => self.fail_saving(format!("{}: what was read back is not what was edited; save under another name", path.display())),
+            Ok(_) => self
+                .fail_saving(format!("{}: what was read back is not what was edited; save under another name", path.display())),
             Err(problem) => self.fail_saving(problem),
         }
     }
@@ -301,7 +303,10 @@ impl App {
                 let document = &self.editor.document;
                 let set = document.material.slots().filter(|(_, slot)| **slot != Slot::default()).count();
                 let mut info = format!("Opened {}: {set} of {} properties set", path.display(), burnish_material::PROPERTY_COUNT);
-                for (count, what) in [(document.file().unknown_keys().len(), "unknown kept"), (document.file().unreadable().len(), "unreadable kept")] {
+                for (count, what) in [
+                    (document.file().unknown_keys().len(), "unknown kept"),
+                    (document.file().unreadable().len(), "unreadable kept"),
+                ] {
                     if count > 0 {
                         info += &format!(", {count} {what}");
                     }
@@ -343,7 +348,10 @@ impl App {
             let dropped: Vec<PathBuf> = i.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect();
             (hovered, dropped)
         });
-        let row = ctx.pointer_latest_pos().and_then(|place| self.properties.map_row_at(place)).filter(|_| self.editor.view.are_panels_shown);
+        let row = ctx
+            .pointer_latest_pos()
+            .and_then(|place| self.properties.map_row_at(place))
+            .filter(|_| self.editor.view.are_panels_shown);
         if let Some(path) = hovered.first() {
             let (text, is_refused) = match row.filter(|_| is_image_path(path)) {
                 Some(property) => (format!("Use as map for {}", property.def().label), false),
@@ -424,7 +432,9 @@ fn refusal(path: &Path) -> String {
     if is_image_path(path) {
         format!("{name} is an image: drop it on the row of a property that can have a map, for example Roughness.")
     } else {
-        format!("{name}: expected a material (.asm.ron), a mesh (.gltf, .glb, .ply), an environment (.hdr, .exr) or an image on a property.")
+        format!(
+            "{name}: expected a material (.asm.ron), a mesh (.gltf, .glb, .ply), an environment (.hdr, .exr) or an image on a property."
+        )
     }
 }
 

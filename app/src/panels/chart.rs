@@ -10,7 +10,13 @@ pub const SIZE: egui::Vec2 = vec2(210.0, 118.0);
 pub fn paint(painter: &Painter, rect: Rect, history: &[(f64, f64)], goal_relmse: Option<f64>) {
     painter.rect_filled(rect, 4, Color32::from_black_alpha(200));
     let font = FontId::proportional(10.5);
-    painter.text(rect.left_top() + vec2(8.0, 5.0), Align2::LEFT_TOP, "estimated error, % over seconds", font.clone(), theme::WEAK);
+    painter.text(
+        rect.left_top() + vec2(8.0, 5.0),
+        Align2::LEFT_TOP,
+        "estimated error, % over seconds",
+        font.clone(),
+        theme::WEAK,
+    );
     let points: Vec<(f64, f64)> = history
         .iter()
         .filter(|(s, e)| *s > 0.0 && *e > 0.0 && s.is_finite() && e.is_finite())
@@ -46,7 +52,12 @@ pub fn paint(painter: &Painter, rect: Rect, history: &[(f64, f64)], goal_relmse:
     }
     if let Some(goal) = goal {
         let y = place(x0, goal).y;
-        painter.extend(egui::Shape::dashed_line(&[pos2(plot.left(), y), pos2(plot.right(), y)], Stroke::new(1.0, theme::GOOD), 4.0, 3.0));
+        painter.extend(egui::Shape::dashed_line(
+            &[pos2(plot.left(), y), pos2(plot.right(), y)],
+            Stroke::new(1.0, theme::GOOD),
+            4.0,
+            3.0,
+        ));
     }
     let line: Vec<Pos2> = points.iter().map(|(x, y)| place(*x, *y)).collect();
     if let Some(last) = line.last() {

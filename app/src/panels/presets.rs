@@ -5,7 +5,7 @@ use crate::widgets::color_edit::display_color;
 use crate::widgets::search_field::{hold_width, search_field};
 use burnish_material::{Material, Property};
 use burnish_presets::Preset;
-use egui::{CollapsingHeader, Color32, Label, RichText, ScrollArea, Sense, Ui, WidgetInfo, Role, vec2};
+use egui::{CollapsingHeader, Color32, Label, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 use std::sync::OnceLock;
 
 /// State of the panel.
@@ -74,7 +74,8 @@ impl PresetPanel {
                 }
             }
             for group in groups {
-                let in_group = || entries().iter().filter(|e| e.preset.group == group && found.iter().any(|p| std::ptr::eq(*p, e.preset)));
+                let in_group =
+                    || entries().iter().filter(|e| e.preset.group == group && found.iter().any(|p| std::ptr::eq(*p, e.preset)));
                 let title = RichText::new(burnish_presets::group_title(group)).color(theme::WEAK);
                 let mut list = |ui: &mut Ui| {
                     for entry in in_group() {
@@ -111,7 +112,8 @@ fn row(ui: &mut Ui, entry: &Entry, is_current: bool) -> bool {
         ui.painter().circle_filled(center - vec2(2.0, 2.2), 1.7, Color32::from_white_alpha(sheen));
         let text_rect = rect.with_min_x(rect.left() + 27.0);
         let color = if is_current { visuals.text_color() } else { theme::TEXT };
-        let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(text_rect).layout(egui::Layout::left_to_right(egui::Align::Center)));
+        let mut inner =
+            ui.new_child(egui::UiBuilder::new().max_rect(text_rect).layout(egui::Layout::left_to_right(egui::Align::Center)));
         // The row carries the name for readers; the label is its picture only.
         inner.add(Label::new(RichText::new(name).color(color)).truncate().selectable(false).sense(Sense::empty()));
     }

@@ -126,19 +126,22 @@ fn group_title(group: Group, material: &Material) -> LayoutJob {
 fn about(ui: &mut Ui, document: &mut Document) {
     let unknown = document.file().unknown_keys().len();
     let material = &mut document.material;
-    CollapsingHeader::new(RichText::new("Material").color(egui::Color32::from_gray(230))).default_open(true).show_unindented(ui, |ui| {
-        text_row(ui, "Name", &mut material.name, false);
-        ui.horizontal(|ui| {
-            label(ui, "Unit of lengths").on_hover_text(
-                "How large one unit of this material's lengths is. Absorption, scattering and height distances are lengths.",
-            );
-            let old = material.unit_mm();
-            if let Some(new) = number_field(ui, "Unit of lengths", old, 70.0, old * 0.01, 1e-6..=1e9, (Unit::None, 1.0)) {
-                material.unit_mm = Some(new);
-            }
-            ui.label(RichText::new(format!("mm    1 unit = {} mm", number::format(old, 4))).small().weak());
-        });
-    });
+    CollapsingHeader::new(RichText::new("Material").color(egui::Color32::from_gray(230))).default_open(true).show_unindented(
+        ui,
+        |ui| {
+            text_row(ui, "Name", &mut material.name, false);
+            ui.horizontal(|ui| {
+                label(ui, "Unit of lengths").on_hover_text(
+                    "How large one unit of this material's lengths is. Absorption, scattering and height distances are lengths.",
+                );
+                let old = material.unit_mm();
+                if let Some(new) = number_field(ui, "Unit of lengths", old, 70.0, old * 0.01, 1e-6..=1e9, (Unit::None, 1.0)) {
+                    material.unit_mm = Some(new);
+                }
+                ui.label(RichText::new(format!("mm    1 unit = {} mm", number::format(old, 4))).small().weak());
+            });
+        },
+    );
     let title = RichText::new("Notes and sources").color(theme::WEAK);
     CollapsingHeader::new(title).id_salt("notes").default_open(false).show_unindented(ui, |ui| {
         tags_row(ui, &mut material.tags);

@@ -64,9 +64,12 @@ pub fn final_text(snapshot: &Snapshot, goal_relmse: Option<f64>) -> String {
         Some(StopReason::Error) => "done: error reached".into(),
         Some(StopReason::Cancelled) => "stopped".into(),
         None => match (goal_relmse, &snapshot.error) {
-            (Some(goal), Some(error)) => chart::seconds_to(goal, snapshot.seconds, error.relmse)
-                .filter(|rest| *rest < 36_000.0)
-                .map_or_else(|| "rendering".into(), |rest| format!("{} % in about {rest:.0} s", number::format(100.0 * goal.sqrt(), 2))),
+            (Some(goal), Some(error)) => {
+                chart::seconds_to(goal, snapshot.seconds, error.relmse).filter(|rest| *rest < 36_000.0).map_or_else(
+                    || "rendering".into(),
+                    |rest| format!("{} % in about {rest:.0} s", number::format(100.0 * goal.sqrt(), 2)),
+                )
+            }
             _ => "rendering".into(),
         },
     });

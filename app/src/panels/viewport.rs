@@ -9,8 +9,8 @@ use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_renderer::path::StopRules;
 use burnish_renderer::tonemap::DisplayTransform;
 use egui::{
-    Align2, Color32, ComboBox, DragValue, FontId, Label, PointerButton, Rect, Response, RichText, Sense, Slider, SliderClamping,
-    StrokeKind, Ui, WidgetInfo, Role, pos2, vec2,
+    Align2, Color32, ComboBox, DragValue, FontId, Label, PointerButton, Rect, Response, RichText, Role, Sense, Slider,
+    SliderClamping, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
 /// What the toolbar asks for.
@@ -54,7 +54,10 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
                 wish = Some(Wish::Command(Command::LoadModel));
             }
         });
-        combo.response.accessible_name("Mesh").on_hover_text("What carries the material; drop a .gltf, .glb or .ply for your own");
+        combo
+            .response
+            .accessible_name("Mesh")
+            .on_hover_text("What carries the material; drop a .gltf, .glb or .ply for your own");
 
         let light = editor.environment.as_ref().map_or("…", |environment| environment.name.as_str());
         let combo = ComboBox::from_id_salt("environment").width(96.0).truncate().selected_text(light).show_ui(ui, |ui| {
@@ -83,10 +86,8 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
 
 fn display_controls(ui: &mut Ui, view: &mut View) {
     ui.spacing_mut().slider_width = 52.0;
-    let exposure = Slider::new(&mut view.display.exposure_ev, -6.0..=6.0)
-        .clamping(SliderClamping::Never)
-        .max_decimals(2)
-        .suffix(" EV");
+    let exposure =
+        Slider::new(&mut view.display.exposure_ev, -6.0..=6.0).clamping(SliderClamping::Never).max_decimals(2).suffix(" EV");
     ui.add(exposure).accessible_name("Exposure").on_hover_text("Exposure in stops\nkeys [ and ] change it by a third");
     let transform = &mut view.display.transform;
     let name = |transform: DisplayTransform| match transform {
@@ -262,7 +263,8 @@ fn rule(ui: &mut Ui, name: &str, suffix: &str, value: &mut Option<f64>, (default
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(value) = value {
-                let field = DragValue::new(value).range(min..=max).clamp_existing_to_range(false).speed(default / 100.0).suffix(suffix);
+                let field =
+                    DragValue::new(value).range(min..=max).clamp_existing_to_range(false).speed(default / 100.0).suffix(suffix);
                 ui.add(field).accessible_name(format!("{name} limit"));
             }
         });

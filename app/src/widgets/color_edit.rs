@@ -3,12 +3,12 @@
 //! The swatch and the picker show what a screen shows (sRGB); the numbers and the file are linear. Colours above 1 keep
 //! their brightness: the picker changes their hue and saturation.
 
-use crate::widgets::value_edit::number_field;
 use crate::widgets::number;
+use crate::widgets::value_edit::number_field;
 use burnish_material::{LimitKind, PropertyDef, Unit};
 use burnish_renderer::tonemap::{srgb_decode, srgb_encode};
 use egui::color_picker::{Alpha, color_picker_hsva_2d};
-use egui::{Color32, Popup, PopupCloseBehavior, Sense, Stroke, StrokeKind, Ui, WidgetInfo, Role, ecolor::Hsva, vec2};
+use egui::{Color32, Popup, PopupCloseBehavior, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, ecolor::Hsva, vec2};
 
 /// How far the picker's numbers must move to count as an edit. It converts its colour back and forth each frame, and the
 /// rounding of that (about 1e-6) must not change the document.

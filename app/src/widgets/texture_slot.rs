@@ -73,7 +73,8 @@ fn settings_grid(ui: &mut Ui, def: &PropertyDef, reference: &mut TextureRef) {
         ui.end_row();
         ui.label("Rotation");
         let rotation = reference.uv_rotation;
-        if let Some(v) = number_field(ui, &name("rotation, degrees"), rotation, 62.0, 0.5, f64::MIN..=f64::MAX, (Unit::None, 1.0)) {
+        if let Some(v) = number_field(ui, &name("rotation, degrees"), rotation, 62.0, 0.5, f64::MIN..=f64::MAX, (Unit::None, 1.0))
+        {
             reference.uv_rotation = v;
         }
         ui.end_row();
@@ -93,7 +94,8 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T
 fn pair(ui: &mut Ui, name: &str, value: &mut [f64; 2], speed: f64) {
     ui.horizontal(|ui| {
         for (x, axis) in value.iter_mut().zip(["u", "v"]) {
-            if let Some(v) = number_field(ui, &format!("{name} {axis}"), *x, 62.0, speed, f64::MIN..=f64::MAX, (Unit::None, 1.0)) {
+            if let Some(v) = number_field(ui, &format!("{name} {axis}"), *x, 62.0, speed, f64::MIN..=f64::MAX, (Unit::None, 1.0))
+            {
                 *x = v;
             }
         }

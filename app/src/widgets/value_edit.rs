@@ -51,10 +51,14 @@ pub fn value_edit(ui: &mut Ui, def: &'static PropertyDef, slot: &mut Slot, row: 
             ui.horizontal(|ui| {
                 label_column(ui, def, slot, row);
                 let width = (ui.available_width() - TRAILING_WIDTH - ui.spacing().item_spacing.x).max(60.0);
-                ui.allocate_ui_with_layout(vec2(width, ui.spacing().interact_size.y), Layout::left_to_right(egui::Align::Center), |ui| {
-                    ui.set_width(width);
-                    editor(ui, def, slot, row);
-                });
+                ui.allocate_ui_with_layout(
+                    vec2(width, ui.spacing().interact_size.y),
+                    Layout::left_to_right(egui::Align::Center),
+                    |ui| {
+                        ui.set_width(width);
+                        editor(ui, def, slot, row);
+                    },
+                );
                 trailing(ui, def, slot, &mut action);
             });
             notes(ui, def, slot, row);
@@ -113,7 +117,10 @@ fn tooltip(ui: &mut Ui, def: &PropertyDef, row: &Row) {
         line("usage", def.usage);
         let range = def.limits.text();
         if !range.is_empty() {
-            line(if def.limits.kind == LimitKind::Hard { "range" } else { "typical" }, range.trim_start_matches("typical ").trim_start_matches("range "));
+            line(
+                if def.limits.kind == LimitKind::Hard { "range" } else { "typical" },
+                range.trim_start_matches("typical ").trim_start_matches("range "),
+            );
         }
         line("default", &value_text(def.default));
         line(
@@ -268,7 +275,11 @@ fn trailing(ui: &mut Ui, def: &PropertyDef, slot: &mut Slot, action: &mut Option
     if def.vary == Vary::Texturable && slot.texture.is_none() {
         let button = ui.add(egui::Button::new("").frame_when_inactive(false).min_size(size));
         paint_checker(ui, button.rect, if button.hovered() { ui.visuals().strong_text_color() } else { theme::WEAK });
-        if button.accessible_name(format!("{} map", def.label)).on_hover_text("Choose a map, or drop an image on this row").clicked() {
+        if button
+            .accessible_name(format!("{} map", def.label))
+            .on_hover_text("Choose a map, or drop an image on this row")
+            .clicked()
+        {
             *action = Some(RowAction::ChooseMap(def.id));
         }
     } else {
@@ -306,14 +317,19 @@ fn notes(ui: &mut Ui, def: &PropertyDef, slot: &Slot, row: &Row) {
         });
     };
     if let (Unit::Length, Value::Float(v)) = (def.unit, value) {
-        note(theme::WEAK, format!("{} units = {}", number::format(v, 4), length_text(v * row.unit_mm)));
+        let units = if v == 1.0 { "unit" } else { "units" };
+        note(theme::WEAK, format!("{} {units} = {}", number::format(v, 4), length_text(v * row.unit_mm)));
     }
     if let Some(outside) = value.numbers().iter().find(|x| !def.limits.contains(**x)) {
         let text = number::format(*outside, 4);
         match def.limits.kind {
             LimitKind::Hard => note(
                 theme::WARNING,
-                format!("⚠ {text} is outside the {}; drawn as {}", def.limits.text(), number::format(def.limits.enforce(*outside), 4)),
+                format!(
+                    "⚠ {text} is outside the {}; drawn as {}",
+                    def.limits.text(),
+                    number::format(def.limits.enforce(*outside), 4)
+                ),
             ),
             LimitKind::Typical => note(theme::WEAK, format!("⚠ {text} is beyond the {}", def.limits.text())),
             LimitKind::Open => {}

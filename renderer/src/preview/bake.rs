@@ -22,8 +22,12 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 /// Directions of the first pass, which should be there soon, and of each later one.
 const FIRST_DIRECTIONS: usize = 24;
 const LATER_DIRECTIONS: usize = 48;
-/// Passes in all; results are handed over after 1, 2, 4, 8 and 16.
-const PASSES: usize = 16;
+/// Passes in all; results are handed over after 1, 2, 4 and 8.
+const PASSES: usize = 8;
+/// Vertices closer than this part of the radius, and of about the same normal, share one computation.
+const SHARED_DISTANCE: f32 = 0.02;
+/// Rounds of averaging with neighbours, which hide that sharing.
+const SMOOTHING: usize = 3;
 /// Rays per batch: the work can be called off between two.
 const BATCH: usize = 4096;
 /// What other bodies reflect of open light, besides their colour: they stand in shadows themselves.
@@ -167,6 +171,9 @@ struct Body {
     albedo: Option<Vec3>,
     /// Its first triangle in the tree.
     first: u32,
+    /// Vertices that are computed, and for each vertex which of them stands for it.
+    chosen: Vec<u32>,
+    stand_in: Vec<u32>,
 }
 
 struct Job {
@@ -181,12 +188,14 @@ struct Job {
 
 impl Job {
     fn new(scene: &Scene, floor: Option<Floor>, light: Arc<Prefiltered>) -> Self {
+        let radius = scene.document_bounds().radius();
         let mut bodies = Vec::new();
         let mut first = 0;
         let mut bounds: Option<burnish_assets::Bounds> = None;
         for object in scene.objects.iter().filter(|o| !floor::is_floor(o)) {
             let albedo = (!object.is_document).then(|| object.material.color(Property::base_color).map(|c| c as f32).into());
-            bodies.push(Body { mesh: object.mesh.clone(), albedo, first });
+            let (chosen, stand_in) = shared(&object.mesh, SHARED_DISTANCE * radius.max(1e-6));
+            bodies.push(Body { mesh: object.mesh.clone(), albedo, first, chosen, stand_in });
             first += object.mesh.triangles.len() as u32;
             let own = object.mesh.bounds();
             bounds = Some(bounds.map_or(own, |b| b.union(own)));
@@ -199,7 +208,7 @@ impl Job {
         let triangles: Vec<[Vec3; 3]> =
             self.bodies.iter().flat_map(|b| b.mesh.triangles.iter().map(|t| t.map(|i| b.mesh.positions[i as usize]))).collect();
         let tree = Bvh::new(&triangles);
-        let mut sums: Vec<Vec<Sums>> = self.bodies.iter().map(|b| vec![Sums::default(); b.mesh.positions.len()]).collect();
+        let mut sums: Vec<Vec<Sums>> = self.bodies.iter().map(|b| vec![Sums::default(); b.chosen.len()]).collect();
         let mut floor_sums = vec![Vec3::ZERO; if self.floor.is_some() { LIGHT_SIZE * LIGHT_SIZE } else { 0 }];
         let mut total = 0.0;
         for pass in 0..PASSES {
@@ -220,7 +229,7 @@ impl Job {
             }
             let is_last = pass + 1 == PASSES;
             if is_last || (pass + 1).is_power_of_two() {
-                let meshes = self.bodies.iter().zip(&sums).map(|(b, s)| (b.mesh.clone(), s.iter().map(|s| s.mean(total)).collect()));
+                let meshes = self.bodies.iter().zip(&sums).map(|(b, s)| (b.mesh.clone(), b.vertices(s, total)));
                 let floor = self.floor.as_ref().zip(floor_light).map(|(floor, light)| {
                     let radiance = floor.radiance(self.light.up, Some(&light));
                     (light, radiance)
@@ -323,19 +332,20 @@ impl Job {
     ) -> bool {
         let mut rays = Vec::with_capacity(BATCH);
         let mut what = Vec::with_capacity(BATCH);
-        for vertex in 0..sums.len() {
+        for k in 0..sums.len() {
+            let vertex = body.chosen[k] as usize;
             let n = body.mesh.normals.get(vertex).copied().unwrap_or(Vec3::Y);
             // A little off the surface: triangles around a vertex would else cover half of what it sees.
             let p = body.mesh.positions[vertex] + n * (2e-3 * self.radius);
             for x in directions.iter().filter(|x| n.dot(x.d) > 0.0) {
                 rays.push(Ray::new(p, x.d));
-                what.push((vertex, n.dot(x.d), x));
+                what.push((k, n.dot(x.d), x));
             }
-            if rays.len() >= BATCH || vertex + 1 == sums.len() {
+            if rays.len() >= BATCH || k + 1 == sums.len() {
                 let mut hits = vec![Hit::MISS; rays.len()];
                 tree.trace(&rays, &mut hits);
-                for ((&(vertex, mu, x), ray), hit) in what.iter().zip(&rays).zip(&hits) {
-                    self.add(body, floor_light, triangles, ray, hit, mu, x, &mut sums[vertex]);
+                for ((&(k, mu, x), ray), hit) in what.iter().zip(&rays).zip(&hits) {
+                    self.add(body, floor_light, triangles, ray, hit, mu, x, &mut sums[k]);
                 }
                 rays.clear();
                 what.clear();
@@ -383,6 +393,51 @@ impl Job {
             None => sums.own += mu / PI * x.weight,
         }
     }
+}
+
+impl Body {
+    /// What every vertex gets: the result of its stand-in, smoothed over the mesh.
+    fn vertices(&self, sums: &[Sums], count: f32) -> Vec<BakedVertex> {
+        let normal = |i: usize| self.mesh.normals.get(i).copied().unwrap_or(Vec3::Y);
+        let made: Vec<[f32; 16]> = sums.iter().map(|s| bytemuck::cast(s.mean(count))).collect();
+        let mut values: Vec<[f32; 16]> = self.stand_in.iter().map(|&k| made[k as usize]).collect();
+        for _ in 0..SMOOTHING {
+            let mut sum = values.clone();
+            let mut weight = vec![1.0_f32; values.len()];
+            for [a, b, c] in self.mesh.triangles.iter().map(|t| t.map(|i| i as usize)) {
+                for (to, from) in [(a, b), (b, c), (c, a), (b, a), (c, b), (a, c)] {
+                    // Across an edge the light is another.
+                    if normal(to).dot(normal(from)) > 0.9 {
+                        weight[to] += 1.0;
+                        for (s, v) in sum[to].iter_mut().zip(&values[from]) {
+                            *s += v;
+                        }
+                    }
+                }
+            }
+            for ((v, s), w) in values.iter_mut().zip(&sum).zip(&weight) {
+                *v = s.map(|x| x / w);
+            }
+        }
+        values.into_iter().map(bytemuck::cast).collect()
+    }
+}
+
+/// Groups vertices by place and normal: those that are computed, and for each vertex the position of its own among them.
+fn shared(mesh: &Mesh, distance: f32) -> (Vec<u32>, Vec<u32>) {
+    let mut cells = std::collections::HashMap::new();
+    let mut chosen = Vec::new();
+    let stand_in = (0..mesh.positions.len())
+        .map(|i| {
+            let n = mesh.normals.get(i).copied().unwrap_or(Vec3::Y);
+            let cell = ((mesh.positions[i] / distance).floor().as_ivec3(), (n * 4.0).round().as_ivec3());
+            *cells.entry(cell).or_insert_with(|| {
+                chosen.push(i as u32);
+                chosen.len() as u32 - 1
+            })
+        })
+        .collect();
+    (chosen, stand_in)
 }
 
 impl Sums {
