@@ -10,6 +10,7 @@ use crate::history::History;
 use crate::live_final::LiveFinal;
 use crate::live_preview::{LivePreview, REST};
 use crate::loading::{Job, Loader};
+use crate::panels::{chart, hold};
 use crate::panels::messages::Messages;
 use crate::panels::presets::PresetPanel;
 use crate::panels::properties::PropertyPanel;
@@ -179,11 +180,11 @@ impl App {
         if self.editor.view.are_panels_shown {
             let panel = Panel::left("presets").default_size(214.0).size_range(150.0..=320.0).frame(side);
             let name = self.editor.document.file().material().name.clone();
-            if let Some(preset) = panel.show(ui, |ui| self.presets.show(ui, &name)).inner {
+            if let Some(preset) = panel.show(ui, |ui| hold(ui, |ui| self.presets.show(ui, &name))).inner {
                 self.load_preset(preset);
             }
             let panel = Panel::right("properties").default_size(398.0).size_range(340.0..=560.0).frame(side);
-            let action = panel.show(ui, |ui| self.properties.show(ui, &mut self.editor.document)).inner;
+            let action = panel.show(ui, |ui| hold(ui, |ui| self.properties.show(ui, &mut self.editor.document))).inner;
             if let Some(RowAction::ChooseMap(property)) = action {
                 self.ask_for_map(property, &ctx);
             }
@@ -279,22 +280,26 @@ impl App {
                 ctx.request_repaint_after(REST.saturating_sub(idle).min(Duration::from_millis(60)));
             }
             let note = self.preview.complaint().into_iter().collect();
-            let picture = Picture { texture, name: "Preview", notes: note, problem: self.preview.problem() };
+            let picture = Picture { texture, name: "Preview", notes: note, reserved: 0.0, problem: self.preview.problem() };
             if viewport::paint(ui, rect, &picture, is_both) {
                 self.carry_out(Command::ShowFinal, &ctx);
             }
         }
-        if let (Some(rect), Some(view)) = (layout.final_view, &mut self.final_view) {
+        let Some(rect) = layout.final_view else { return };
+        let mut picture = Picture { texture: None, name: "Final", notes: Vec::new(), reserved: 0.0, problem: None };
+        let mut curve = None;
+        if let Some(view) = &mut self.final_view {
             view.update(&ctx, display);
-            let texture = view.texture().map(|texture| texture.id());
-            viewport::paint(ui, rect, &Picture { texture, name: "Final", notes: self.left_out.clone(), problem: None }, is_both);
-            if self.editor.view.is_chart_shown
-                && let Some(snapshot) = view.current()
-            {
-                viewport::paint_chart(ui, rect, &snapshot.history, self.editor.view.stop.relmse);
-            }
-        } else if let Some(rect) = layout.final_view {
-            viewport::paint(ui, rect, &Picture { texture: None, name: "Final", notes: Vec::new(), problem: None }, is_both);
+            picture.texture = view.texture().map(|texture| texture.id());
+            picture.notes.clone_from(&self.left_out);
+            curve = view.current().filter(|_| self.editor.view.is_chart_shown && viewport::has_chart_room(rect)).cloned();
+        }
+        if curve.is_some() {
+            picture.reserved = chart::SIZE.y + 22.0;
+        }
+        viewport::paint(ui, rect, &picture, is_both);
+        if let Some(snapshot) = curve {
+            viewport::paint_chart(ui, rect, &snapshot.history, self.editor.view.stop.relmse);
         }
     }
 
@@ -361,8 +366,8 @@ impl App {
     fn menu_item(&mut self, ui: &mut Ui, command: Command) {
         let mut text = command.text().to_owned();
         match command {
-            Command::Undo => text = self.history.undo_label().map_or(text.clone(), |label| format!("{text}  {label}")),
-            Command::Redo => text = self.history.redo_label().map_or(text.clone(), |label| format!("{text}  {label}")),
+            Command::Undo => text = self.history.undo_label().map_or(text.clone(), |label| format!("{text}: {label}")),
+            Command::Redo => text = self.history.redo_label().map_or(text.clone(), |label| format!("{text}: {label}")),
             _ => {}
         }
         let keys = command.shortcuts().first().map_or_else(String::new, |keys| ui.ctx().format_shortcut(keys));

@@ -1,5 +1,6 @@
-//! What several tests need: cases, quadrature, statistics, the GPU.
+//! What several tests need: cases, scenes, quadrature, the GPU.
 
+pub mod gpu;
 pub mod materials;
 pub mod quadrature;
 pub mod scenes;

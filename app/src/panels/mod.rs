@@ -6,3 +6,15 @@ pub mod presets;
 pub mod properties;
 pub mod status;
 pub mod viewport;
+
+/// Draws a side panel's content in exactly the panel's space.
+///
+/// A row that is a little too wide would otherwise widen the panel, and the next frame's rows with it.
+pub fn hold<R>(ui: &mut egui::Ui, content: impl FnOnce(&mut egui::Ui) -> R) -> R {
+    let rect = ui.available_rect_before_wrap();
+    let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(egui::Layout::top_down(egui::Align::Min)));
+    inner.set_clip_rect(rect.intersect(ui.clip_rect()));
+    let result = content(&mut inner);
+    ui.advance_cursor_after_rect(rect);
+    result
+}

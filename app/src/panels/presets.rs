@@ -2,7 +2,7 @@
 
 use crate::theme;
 use crate::widgets::color_edit::display_color;
-use crate::widgets::search_field::{hold_width, search_field};
+use crate::widgets::search_field::search_field;
 use burnish_material::{Material, Property};
 use burnish_presets::Preset;
 use egui::{CollapsingHeader, Color32, Label, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
@@ -55,7 +55,6 @@ fn known_color(material: &Material) -> [f64; 3] {
 impl PresetPanel {
     /// Shows the list; the preset that was clicked.
     pub fn show(&mut self, ui: &mut Ui, current_name: &str) -> Option<&'static Preset> {
-        hold_width(ui);
         ui.add_space(2.0);
         ui.label(RichText::new("Presets").heading());
         search_field(ui, &mut self.filter, "Filter presets", "Filter by name or tag");

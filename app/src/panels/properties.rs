@@ -4,9 +4,10 @@
 use crate::editor::Document;
 use crate::theme;
 use crate::widgets::number;
-use crate::widgets::search_field::{hold_width, search_field};
-use crate::widgets::value_edit::{LABEL_WIDTH, Row, RowAction, number_field, value_edit};
-use burnish_material::{Group, LOBES, LobeSet, Material, PROPERTIES, Property, PropertyDef, Slot, Unit, ValueSource};
+use crate::widgets::number_field::NumberField;
+use crate::widgets::search_field::search_field;
+use crate::widgets::value_edit::{LABEL_WIDTH, Row, RowAction, value_edit};
+use burnish_material::{Group, LOBES, LobeSet, Material, PROPERTIES, Property, PropertyDef, Slot, ValueSource};
 use egui::text::LayoutJob;
 use egui::{CollapsingHeader, FontId, Rect, RichText, ScrollArea, TextEdit, TextFormat, Ui};
 use std::collections::BTreeMap;
@@ -28,7 +29,6 @@ impl PropertyPanel {
         self.read_sources(document);
         self.rows.clear();
         let mut action = None;
-        hold_width(ui);
         ui.add_space(2.0);
         ui.label(RichText::new("Properties").heading());
         search_field(ui, &mut self.search, "Search properties", "Search the three names");
@@ -135,7 +135,7 @@ fn about(ui: &mut Ui, document: &mut Document) {
                     "How large one unit of this material's lengths is. Absorption, scattering and height distances are lengths.",
                 );
                 let old = material.unit_mm();
-                if let Some(new) = number_field(ui, "Unit of lengths", old, 70.0, old * 0.01, 1e-6..=1e9, (Unit::None, 1.0)) {
+                if let Some(new) = (NumberField { range: 1e-6..=1e9, ..NumberField::plain("Unit of lengths", 70.0, old * 0.01) }).show(ui, old) {
                     material.unit_mm = Some(new);
                 }
                 ui.label(RichText::new(format!("mm    1 unit = {} mm", number::format(old, 4))).small().weak());

@@ -190,6 +190,8 @@ pub struct Picture<'a> {
     pub name: &'a str,
     /// Sentences about what is missing in the picture.
     pub notes: Vec<String>,
+    /// Height at the bottom that the notes leave free.
+    pub reserved: f32,
     /// Why there is no picture, if there never will be one.
     pub problem: Option<&'a str>,
 }
@@ -209,20 +211,21 @@ pub fn paint(ui: &mut Ui, rect: Rect, picture: &Picture, is_named: bool) -> bool
             painter.text(rect.center(), Align2::CENTER_CENTER, "preparing…", FontId::proportional(14.0), theme::WEAK);
         }
     }
-    let mut bottom = rect.bottom() - 10.0;
-    let mut line = |text: String, color| {
+    let line = |text: String, color, bottom: f32| {
         let width = (rect.width() - 40.0).max(60.0);
         let galley = painter.layout(text, FontId::proportional(12.0), color, width);
         let place = pos2(rect.left() + 14.0, bottom - galley.size().y);
         painter.rect_filled(Rect::from_min_size(place, galley.size()).expand2(vec2(6.0, 3.0)), 3, Color32::from_black_alpha(165));
-        bottom = place.y - 9.0;
         painter.galley(place, galley, color);
+        place.y - 9.0
     };
+    let mut bottom = rect.bottom() - 10.0;
     if is_named {
-        line(picture.name.to_owned(), Color32::from_gray(225));
+        bottom = line(picture.name.to_owned(), Color32::from_gray(225), bottom);
     }
+    bottom = bottom.min(rect.bottom() - picture.reserved);
     for note in &picture.notes {
-        line(format!("⚠ {note}"), theme::WARNING);
+        bottom = line(format!("⚠ {note}"), theme::WARNING, bottom);
     }
     false
 }
@@ -271,11 +274,13 @@ fn rule(ui: &mut Ui, name: &str, suffix: &str, value: &mut Option<f64>, (default
     });
 }
 
+/// Whether the error chart has room in a picture.
+pub fn has_chart_room(rect: Rect) -> bool {
+    rect.width() >= chart::SIZE.x + 40.0 && rect.height() >= chart::SIZE.y + 80.0
+}
+
 /// Paints the error chart into the lower right corner of the final view.
 pub fn paint_chart(ui: &Ui, rect: Rect, history: &[(f64, f64)], goal_relmse: Option<f64>) {
-    if rect.width() < chart::SIZE.x + 40.0 || rect.height() < chart::SIZE.y + 80.0 {
-        return;
-    }
     let place = Rect::from_min_size(rect.max - chart::SIZE - vec2(10.0, 10.0), chart::SIZE);
     chart::paint(&ui.painter_at(rect), place, history, goal_relmse);
 }

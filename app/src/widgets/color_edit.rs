@@ -4,8 +4,9 @@
 //! their brightness: the picker changes their hue and saturation.
 
 use crate::widgets::number;
-use crate::widgets::value_edit::number_field;
-use burnish_material::{LimitKind, PropertyDef, Unit};
+use crate::widgets::number_field::NumberField;
+use crate::widgets::value_edit::edit_range;
+use burnish_material::PropertyDef;
 use burnish_renderer::tonemap::{srgb_decode, srgb_encode};
 use egui::color_picker::{Alpha, color_picker_hsva_2d};
 use egui::{Color32, Popup, PopupCloseBehavior, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, ecolor::Hsva, vec2};
@@ -20,14 +21,10 @@ pub fn color_edit(ui: &mut Ui, def: &PropertyDef, old: [f64; 3]) -> Option<[f64;
     let spacing = ui.spacing().item_spacing.x.min(4.0);
     ui.spacing_mut().item_spacing.x = spacing;
     let width = ((ui.available_width() - 2.0 * spacing) / 3.0).floor();
-    let range = match def.limits.kind {
-        LimitKind::Hard => def.limits.min.unwrap_or(f64::MIN)..=def.limits.max.unwrap_or(f64::MAX),
-        _ => f64::MIN..=f64::MAX,
-    };
     for (i, channel) in ["red", "green", "blue"].iter().enumerate() {
         let name = format!("{} {channel}", def.label);
         let value = new.unwrap_or(old)[i];
-        if let Some(v) = number_field(ui, &name, value, width, 0.004, range.clone(), (Unit::None, 1.0)) {
+        if let Some(v) = (NumberField { range: edit_range(def), format: number::color_field, ..NumberField::plain(&name, width, 0.004) }).show(ui, value) {
             new.get_or_insert(old)[i] = v;
         }
     }

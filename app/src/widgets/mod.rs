@@ -2,6 +2,7 @@
 
 pub mod color_edit;
 pub mod number;
+pub mod number_field;
 pub mod search_field;
 pub mod texture_slot;
 pub mod value_edit;

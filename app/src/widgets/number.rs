@@ -135,6 +135,15 @@ pub fn field(x: f64) -> String {
     }
 }
 
+/// A colour's number for its narrow field: three decimals at most.
+pub fn color_field(x: f64) -> String {
+    if x.abs() >= 100.0 || !x.is_finite() {
+        return format(x, 3);
+    }
+    let text = format!("{x:.3}");
+    text.strip_suffix('0').map_or(text.clone(), str::to_owned)
+}
+
 /// `x` rounded to `digits` significant digits, so that a slider does not write digits nobody chose.
 pub fn rounded(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x)
@@ -172,6 +181,9 @@ mod tests {
         assert_eq!(field(0.773_3), "0.7733");
         assert_eq!(field(120.0), "120");
         assert_eq!(field(1e-7), "1.000e-7");
+        assert_eq!(color_field(0.773_3), "0.773");
+        assert_eq!(color_field(1.0), "1.00");
+        assert_eq!(color_field(123.0), "123");
         assert_eq!(format(1200.0, 3), "1200");
         assert_eq!(rounded(0.123_456_7, 4), 0.1235);
     }

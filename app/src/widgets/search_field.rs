@@ -15,10 +15,3 @@ pub fn search_field(ui: &mut Ui, text: &mut String, name: &str, hint: &str) {
         ui.add(edit).accessible_name(name);
     });
 }
-
-/// Holds a side panel's content to the panel's width, so that neither can push the other from frame to frame.
-pub fn hold_width(ui: &mut Ui) {
-    let width = ui.available_width();
-    ui.set_min_width(width);
-    ui.set_max_width(width);
-}

@@ -1,8 +1,9 @@
 //! The map of a property: its path, choosing and clearing it, and how it is read.
 
 use crate::theme;
-use crate::widgets::value_edit::{LABEL_WIDTH, RowAction, number_field};
-use burnish_material::{Channel, ColorSpace, Kind, PropertyDef, TextureRef, Unit, Wrap};
+use crate::widgets::number_field::NumberField;
+use crate::widgets::value_edit::{LABEL_WIDTH, RowAction};
+use burnish_material::{Channel, ColorSpace, Kind, PropertyDef, TextureRef, Wrap};
 use egui::{Label, Popup, PopupCloseBehavior, RichText, Ui, vec2};
 
 /// Shows the map line under a property and edits the reference in place.
@@ -73,7 +74,7 @@ fn settings_grid(ui: &mut Ui, def: &PropertyDef, reference: &mut TextureRef) {
         ui.end_row();
         ui.label("Rotation");
         let rotation = reference.uv_rotation;
-        if let Some(v) = number_field(ui, &name("rotation, degrees"), rotation, 62.0, 0.5, f64::MIN..=f64::MAX, (Unit::None, 1.0))
+        if let Some(v) = NumberField::plain(&name("rotation, degrees"), 62.0, 0.5).show(ui, rotation)
         {
             reference.uv_rotation = v;
         }
@@ -94,7 +95,7 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T
 fn pair(ui: &mut Ui, name: &str, value: &mut [f64; 2], speed: f64) {
     ui.horizontal(|ui| {
         for (x, axis) in value.iter_mut().zip(["u", "v"]) {
-            if let Some(v) = number_field(ui, &format!("{name} {axis}"), *x, 62.0, speed, f64::MIN..=f64::MAX, (Unit::None, 1.0))
+            if let Some(v) = NumberField::plain(&format!("{name} {axis}"), 62.0, speed).show(ui, *x)
             {
                 *x = v;
             }

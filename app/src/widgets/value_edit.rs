@@ -4,10 +4,10 @@
 //! puts back the exact number even where fewer digits are shown.
 
 use crate::theme;
+use crate::widgets::number_field::NumberField;
 use crate::widgets::{color_edit, number, texture_slot};
 use burnish_material::{Kind, LimitKind, Property, PropertyDef, Slot, Unit, Unreadable, Value, ValueSource, Vary};
-use egui::{DragValue, Key, Label, Layout, Response, RichText, Sense, Slider, SliderClamping, Ui, vec2};
-use std::cell::Cell;
+use egui::{Key, Label, Layout, Response, RichText, Sense, Slider, SliderClamping, Ui, vec2};
 
 /// Width of the label column.
 pub const LABEL_WIDTH: f32 = 150.0;
@@ -202,58 +202,16 @@ fn float_edit(ui: &mut Ui, def: &PropertyDef, old: f64, unit_mm: f64) -> Option<
     }
 
     let speed = if is_logarithmic { (old.abs() * 0.01).max(1e-3) } else { (max - min) / 300.0 };
-    let typed = number_field(ui, def.label, new.unwrap_or(old), NUMBER_WIDTH, speed, limits_range(def), (def.unit, unit_mm));
-    typed.or(new)
+    let field = NumberField { range: edit_range(def), unit: def.unit, unit_mm, ..NumberField::plain(def.label, NUMBER_WIDTH, speed) };
+    field.show(ui, new.unwrap_or(old)).or(new)
 }
 
 /// What edits may set: the hard range, or anything finite.
-fn limits_range(def: &PropertyDef) -> std::ops::RangeInclusive<f64> {
+pub fn edit_range(def: &PropertyDef) -> std::ops::RangeInclusive<f64> {
     match def.limits.kind {
         LimitKind::Hard => def.limits.min.unwrap_or(f64::MIN)..=def.limits.max.unwrap_or(f64::MAX),
         LimitKind::Typical | LimitKind::Open => f64::MIN..=f64::MAX,
     }
-}
-
-/// A number that is dragged or typed. Returns the new value when it changed.
-pub fn number_field(
-    ui: &mut Ui,
-    name: &str,
-    old: f64,
-    width: f32,
-    speed: f64,
-    range: std::ops::RangeInclusive<f64>,
-    (unit, unit_mm): (Unit, f64),
-) -> Option<f64> {
-    let mut new = None;
-    let shown = number::field(old);
-    let is_untouched = Cell::new(false);
-    let field = DragValue::from_get_set(|set| {
-        // An untouched text stands for the number it was made from, with all its digits and even outside the range,
-        // which egui would enforce on whatever comes from a text.
-        if let Some(v) = set
-            && v != old
-            && !is_untouched.get()
-        {
-            new = Some(v);
-        }
-        new.unwrap_or(old)
-    })
-    .range(range)
-    .clamp_existing_to_range(false)
-    .update_while_editing(false)
-    .clip_text(true)
-    .speed(speed)
-    .min_size(vec2(width, ui.spacing().interact_size.y))
-    .custom_formatter(|v, _| number::field(v))
-    .custom_parser(|text| {
-        is_untouched.set(text.trim() == shown);
-        if is_untouched.get() { Some(old) } else { number::parse(text, unit, unit_mm) }
-    });
-    ui.scope(|ui| {
-        ui.set_max_width(width);
-        ui.add(field).accessible_name(name)
-    });
-    new
 }
 
 /// Three numbers of a direction.
@@ -262,7 +220,7 @@ fn vector_edit(ui: &mut Ui, def: &PropertyDef, old: [f64; 3]) -> Option<[f64; 3]
     let mut new = None;
     for (i, axis) in ["x", "y", "z"].iter().enumerate() {
         let name = format!("{} {axis}", def.label);
-        if let Some(v) = number_field(ui, &name, old[i], width, 0.005, f64::MIN..=f64::MAX, (Unit::None, 1.0)) {
+        if let Some(v) = NumberField::plain(&name, width, 0.005).show(ui, old[i]) {
             new.get_or_insert(old)[i] = v;
         }
     }

@@ -103,10 +103,12 @@ impl Baker {
         let generation = self.generation.fetch_add(1, Ordering::Relaxed) + 1;
         let job = Job::new(scene, floor.cloned(), light.clone());
         let (sender, current) = (self.results.0.clone(), self.generation.clone());
-        let work = move || job.run(&|| current.load(Ordering::Relaxed) != generation, &|baked, is_last| {
-            // Nobody listens any more once the preview is gone.
-            _ = sender.send(Message { generation, baked, is_last });
-        });
+        let work = move || {
+            job.run(&|| current.load(Ordering::Relaxed) != generation, &|baked, is_last| {
+                // Nobody listens any more once the preview is gone.
+                _ = sender.send(Message { generation, baked, is_last });
+            })
+        };
         self.is_busy = std::thread::Builder::new().name("preview light".to_owned()).spawn(work).is_ok();
     }
 

@@ -51,8 +51,8 @@ pub fn headless_device() -> Result<(wgpu::Adapter, wgpu::Device, wgpu::Queue), P
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
     let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(|e| PreviewError::NoAdapter(e.to_string()))?;
-    let (device, queue) =
-        pollster::block_on(adapter.request_device(&device_descriptor(&adapter))).map_err(|e| PreviewError::NoDevice(e.to_string()))?;
+    let (device, queue) = pollster::block_on(adapter.request_device(&device_descriptor(&adapter)))
+        .map_err(|e| PreviewError::NoDevice(e.to_string()))?;
     Ok((adapter, device, queue))
 }
 

@@ -187,7 +187,9 @@ mod tests {
 
     #[test]
     fn halves_round_to_nearest() {
-        for (x, bits) in [(0.0, 0), (1.0, 0x3c00), (-2.0, 0xc000), (65_504.0, 0x7bff), (1e9, 0x7bff), (6.0e-8, 1), (0.333_251_95, 0x3555)] {
+        for (x, bits) in
+            [(0.0, 0), (1.0, 0x3c00), (-2.0, 0xc000), (65_504.0, 0x7bff), (1e9, 0x7bff), (6.0e-8, 1), (0.333_251_95, 0x3555)]
+        {
             assert_eq!(half_bits(x), bits, "{x}");
         }
     }

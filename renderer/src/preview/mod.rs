@@ -237,9 +237,17 @@ impl Preview {
 
     fn take_stage(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
         // The floor's map is placed by the edited object, so that counts too; its material does not.
-        let key: Vec<_> = scene.objects.iter().map(|o| (o.mesh.clone(), if o.is_document { Arc::default() } else { o.material.clone() })).collect();
+        let key: Vec<_> = scene
+            .objects
+            .iter()
+            .map(|o| (o.mesh.clone(), if o.is_document { Arc::default() } else { o.material.clone() }))
+            .collect();
         let is_same = key.len() == self.stage.key.len()
-            && key.iter().zip(&self.stage.key).zip(&scene.objects).all(|((a, b), o)| Arc::ptr_eq(&a.0, &b.0) && (o.is_document || *a.1 == *b.1));
+            && key
+                .iter()
+                .zip(&self.stage.key)
+                .zip(&scene.objects)
+                .all(|((a, b), o)| Arc::ptr_eq(&a.0, &b.0) && (o.is_document || *a.1 == *b.1));
         if is_same {
             return Ok(false);
         }
@@ -410,7 +418,11 @@ impl Preview {
         let distance = |d: &Drawn| d.object.mesh.bounds().center().distance(scene.camera.origin);
         order.sort_by(|&a, &b| {
             let (a, b) = (&self.objects[a], &self.objects[b]);
-            is_cut(a).cmp(&is_cut(b)).then(if is_cut(a) { distance(b).total_cmp(&distance(a)) } else { std::cmp::Ordering::Equal })
+            is_cut(a).cmp(&is_cut(b)).then(if is_cut(a) {
+                distance(b).total_cmp(&distance(a))
+            } else {
+                std::cmp::Ordering::Equal
+            })
         });
         let mut pipelines = Vec::with_capacity(order.len());
         let mut is_fitting = true;
@@ -435,7 +447,13 @@ impl Preview {
             let weight = 1.0 / (step + 1) as f32;
             queue.write_buffer(&self.output_blocks[slot], 0, bytemuck::cast_slice(&[weight, 0.0, 0.0, 0.0_f32]));
             let [to, from] = [step as usize % 2, (step as usize + 1) % 2];
-            let bind = targets.bind(device, &self.pipelines.layouts, &self.output_blocks[slot], &targets.color, &targets.mean_views[from]);
+            let bind = targets.bind(
+                device,
+                &self.pipelines.layouts,
+                &self.output_blocks[slot],
+                &targets.color,
+                &targets.mean_views[from],
+            );
             screen_pass(encoder, "mean", &targets.mean_views[to], &self.pipelines.mean, &bind);
         }
         self.steps += taps;
@@ -444,7 +462,8 @@ impl Preview {
         let slot = TAPS_MAX as usize;
         let params = [0.0, display.exposure_ev, display.transform as u32 as f32, 0.0];
         queue.write_buffer(&self.output_blocks[slot], 0, bytemuck::cast_slice(&params));
-        let bind = targets.bind(device, &self.pipelines.layouts, &self.output_blocks[slot], &targets.mean_views[last], &targets.color);
+        let bind =
+            targets.bind(device, &self.pipelines.layouts, &self.output_blocks[slot], &targets.mean_views[last], &targets.color);
         screen_pass(encoder, "display", &targets.display, &self.pipelines.display, &bind);
         Ok(self.steps < STEPS_MAX || self.is_provisional || self.is_settling())
     }

@@ -63,7 +63,11 @@ impl Pipelines {
         let module = compile(device, "scene", &scene)?;
         let output = compile(device, "output", &shader::output_pieces())?;
         let layout_of = |label, groups: &[Option<&wgpu::BindGroupLayout>]| {
-            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor { label: Some(label), bind_group_layouts: groups, immediate_size: 0 })
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(label),
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            })
         };
         let frame_only = layout_of("background", &[Some(&layouts.frame)]);
         let object_layout = layout_of("object", &[Some(&layouts.frame), Some(&layouts.object)]);
@@ -102,7 +106,8 @@ impl Pipelines {
             Some(depth_state(false, wgpu::CompareFunction::Always)),
         )?;
         let mean = screen("mean", &output, &output_layout, ["vertex_output", "fragment_mean"], MEAN_FORMAT.into(), None)?;
-        let display = screen("display", &output, &output_layout, ["vertex_output", "fragment_display"], DISPLAY_FORMAT.into(), None)?;
+        let display =
+            screen("display", &output, &output_layout, ["vertex_output", "fragment_display"], DISPLAY_FORMAT.into(), None)?;
         Ok(Self {
             layouts,
             background,
@@ -120,7 +125,12 @@ impl Pipelines {
     ///
     /// A kind that is missing is ordered; with `wait`, or while there is nothing else to draw with, it is made at once.
     /// The flag says whether the picture is the right one.
-    pub fn for_lobes(&mut self, device: &wgpu::Device, kind: PipelineKind, wait: bool) -> Result<(ObjectPipelines, bool), PreviewError> {
+    pub fn for_lobes(
+        &mut self,
+        device: &wgpu::Device,
+        kind: PipelineKind,
+        wait: bool,
+    ) -> Result<(ObjectPipelines, bool), PreviewError> {
         self.collect()?;
         if let Some(made) = self.ready.get(&kind) {
             return Ok((made.clone(), true));
@@ -129,7 +139,8 @@ impl Pipelines {
         let holds = |k: &PipelineKind| k.is_floor == kind.is_floor && k.lobes.union(kind.lobes) == k.lobes;
         let larger = self.ready.keys().filter(|k| holds(k)).min_by_key(|k| size(k)).copied();
         let like = |k: &&PipelineKind| k.is_floor == kind.is_floor;
-        let Some(nearest) = larger.or_else(|| self.ready.keys().filter(like).max_by_key(|k| size(k)).copied()).filter(|_| !wait) else {
+        let Some(nearest) = larger.or_else(|| self.ready.keys().filter(like).max_by_key(|k| size(k)).copied()).filter(|_| !wait)
+        else {
             let made = make(device, &self.module, &self.object_layout, kind)?;
             self.ready.insert(kind, made.clone());
             return Ok((made, true));
@@ -174,12 +185,17 @@ impl Pipelines {
 
 /// Makes a shader module; a refusal names file and line.
 fn compile(device: &wgpu::Device, label: &str, pieces: &[Piece]) -> Result<wgpu::ShaderModule, PreviewError> {
-    guarded(device, wgpu::ErrorFilter::Validation, |e| PreviewError::Shader(shader::translate(pieces, &e)), || {
-        device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(label),
-            source: wgpu::ShaderSource::Wgsl(shader::join(pieces).into()),
-        })
-    })
+    guarded(
+        device,
+        wgpu::ErrorFilter::Validation,
+        |e| PreviewError::Shader(shader::translate(pieces, &e)),
+        || {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(shader::join(pieces).into()),
+            })
+        },
+    )
 }
 
 fn depth_state(writes: bool, compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
@@ -254,7 +270,8 @@ fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) ->
 }
 
 fn uniform(binding: u32, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayoutEntry {
-    let ty = wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
+    let ty =
+        wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
     entry(binding, visibility, ty)
 }
 

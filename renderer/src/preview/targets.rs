@@ -1,7 +1,7 @@
 //! The textures that a picture is drawn into, and reading it back.
 
 use super::device::{PreviewError, guarded};
-use super::pipelines::{COLOR_FORMAT, DEPTH_FORMAT, DISPLAY_FORMAT, MEAN_FORMAT, Layouts};
+use super::pipelines::{COLOR_FORMAT, DEPTH_FORMAT, DISPLAY_FORMAT, Layouts, MEAN_FORMAT};
 
 /// Textures of one picture size.
 #[derive(Debug)]

@@ -169,7 +169,11 @@ fn decode(texel: [f32; 4], property: Property, reference: &TextureRef, image: &I
 }
 
 /// Uploads the maps of an object as one array of textures with mip levels; a single texel if it has none.
-pub(super) fn upload_maps(device: &wgpu::Device, queue: &wgpu::Queue, object: &Object) -> Result<wgpu::TextureView, PreviewError> {
+pub(super) fn upload_maps(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    object: &Object,
+) -> Result<wgpu::TextureView, PreviewError> {
     let maps = mapped(object);
     let longest = |f: fn(&Image) -> usize| maps.iter().map(|(_, _, image)| f(image)).max().unwrap_or(1).min(MAP_SIDE_MAX);
     let (width, height) = (longest(|i| i.width), longest(|i| i.height));
@@ -189,7 +193,8 @@ pub(super) fn upload_maps(device: &wgpu::Device, queue: &wgpu::Queue, object: &O
             level = halve(&level);
         }
     }
-    Ok(texture.create_view(&wgpu::TextureViewDescriptor { dimension: Some(wgpu::TextureViewDimension::D2Array), ..Default::default() }))
+    Ok(texture
+        .create_view(&wgpu::TextureViewDescriptor { dimension: Some(wgpu::TextureViewDimension::D2Array), ..Default::default() }))
 }
 
 /// Half the size by plain means.
@@ -237,7 +242,11 @@ pub(super) fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, mip: u32
             aspect: wgpu::TextureAspect::All,
         },
         bytemuck::cast_slice(&texels),
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(level.width as u32 * 8), rows_per_image: Some(level.height as u32) },
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(level.width as u32 * 8),
+            rows_per_image: Some(level.height as u32),
+        },
         wgpu::Extent3d { width: level.width as u32, height: level.height as u32, depth_or_array_layers: 1 },
     );
 }
