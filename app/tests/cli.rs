@@ -1,5 +1,7 @@
 //! The command line as scripts see it: exit codes, what goes to which stream, files written whole or not at all.
 
+#![allow(clippy::unwrap_used)] // A helper that fails fails its test.
+
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};

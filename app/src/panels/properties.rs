@@ -135,7 +135,9 @@ fn about(ui: &mut Ui, document: &mut Document) {
                     "How large one unit of this material's lengths is. Absorption, scattering and height distances are lengths.",
                 );
                 let old = material.unit_mm();
-                if let Some(new) = (NumberField { range: 1e-6..=1e9, ..NumberField::plain("Unit of lengths", 70.0, old * 0.01) }).show(ui, old) {
+                if let Some(new) =
+                    (NumberField { range: 1e-6..=1e9, ..NumberField::plain("Unit of lengths", 70.0, old * 0.01) }).show(ui, old)
+                {
                     material.unit_mm = Some(new);
                 }
                 ui.label(RichText::new(format!("mm    1 unit = {} mm", number::format(old, 4))).small().weak());

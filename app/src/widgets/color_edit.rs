@@ -24,7 +24,10 @@ pub fn color_edit(ui: &mut Ui, def: &PropertyDef, old: [f64; 3]) -> Option<[f64;
     for (i, channel) in ["red", "green", "blue"].iter().enumerate() {
         let name = format!("{} {channel}", def.label);
         let value = new.unwrap_or(old)[i];
-        if let Some(v) = (NumberField { range: edit_range(def), format: number::color_field, ..NumberField::plain(&name, width, 0.004) }).show(ui, value) {
+        if let Some(v) =
+            (NumberField { range: edit_range(def), format: number::color_field, ..NumberField::plain(&name, width, 0.004) })
+                .show(ui, value)
+        {
             new.get_or_insert(old)[i] = v;
         }
     }

@@ -74,8 +74,7 @@ fn settings_grid(ui: &mut Ui, def: &PropertyDef, reference: &mut TextureRef) {
         ui.end_row();
         ui.label("Rotation");
         let rotation = reference.uv_rotation;
-        if let Some(v) = NumberField::plain(&name("rotation, degrees"), 62.0, 0.5).show(ui, rotation)
-        {
+        if let Some(v) = NumberField::plain(&name("rotation, degrees"), 62.0, 0.5).show(ui, rotation) {
             reference.uv_rotation = v;
         }
         ui.end_row();
@@ -95,8 +94,7 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T
 fn pair(ui: &mut Ui, name: &str, value: &mut [f64; 2], speed: f64) {
     ui.horizontal(|ui| {
         for (x, axis) in value.iter_mut().zip(["u", "v"]) {
-            if let Some(v) = NumberField::plain(&format!("{name} {axis}"), 62.0, speed).show(ui, *x)
-            {
+            if let Some(v) = NumberField::plain(&format!("{name} {axis}"), 62.0, speed).show(ui, *x) {
                 *x = v;
             }
         }

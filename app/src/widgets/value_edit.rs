@@ -202,7 +202,8 @@ fn float_edit(ui: &mut Ui, def: &PropertyDef, old: f64, unit_mm: f64) -> Option<
     }
 
     let speed = if is_logarithmic { (old.abs() * 0.01).max(1e-3) } else { (max - min) / 300.0 };
-    let field = NumberField { range: edit_range(def), unit: def.unit, unit_mm, ..NumberField::plain(def.label, NUMBER_WIDTH, speed) };
+    let field =
+        NumberField { range: edit_range(def), unit: def.unit, unit_mm, ..NumberField::plain(def.label, NUMBER_WIDTH, speed) };
     field.show(ui, new.unwrap_or(old)).or(new)
 }
 
