@@ -17,8 +17,14 @@ fn main() {
     let mut transform = DisplayTransform::Neutral;
     for a in &args[5..] {
         let (k, v) = a.split_once('=').unwrap();
-        if k == "ev" { ev = v.parse().unwrap(); continue; }
-        if k == "transform" { transform = DisplayTransform::from_word(v).unwrap(); continue; }
+        if k == "ev" {
+            ev = v.parse().unwrap();
+            continue;
+        }
+        if k == "transform" {
+            transform = DisplayTransform::from_word(v).unwrap();
+            continue;
+        }
         let n: Vec<f64> = v.split(',').map(|x| x.parse().unwrap()).collect();
         let def = PROPERTIES.iter().find(|d| d.is_named(k)).unwrap();
         let val = match def.default.kind() {
@@ -34,7 +40,9 @@ fn main() {
     println!("env {:?} {}x{}", t.elapsed(), e.width, e.height);
     let light = EnvironmentLight { map: Arc::new(e), rotation_deg: 0.0, scale: 1.0 };
     let scene = Scene::of_model(&model, Arc::new(m), Arc::default(), light, model.unit_mm);
-    for o in &scene.objects { println!("{} {} tris {}", o.mesh.name, o.mesh.positions.len(), o.mesh.triangles.len()); }
+    for o in &scene.objects {
+        println!("{} {} tris {}", o.mesh.name, o.mesh.positions.len(), o.mesh.triangles.len());
+    }
     let t = Instant::now();
     let (adapter, device, queue) = headless_device().unwrap();
     println!("{:?} device {:?}", adapter.get_info().name, t.elapsed());
@@ -63,7 +71,11 @@ fn main() {
     s2.camera.fov_deg += 2e-4;
     p.set_scene(&device, &queue, &s2);
     draw(&mut p, "frame 0 again");
-    let cpu = || { let s = std::fs::read_to_string("/proc/self/stat").unwrap(); let f: Vec<&str> = s.rsplit(") ").next().unwrap().split(' ').collect(); f[11].parse::<f64>().unwrap() / 100.0 };
+    let cpu = || {
+        let s = std::fs::read_to_string("/proc/self/stat").unwrap();
+        let f: Vec<&str> = s.rsplit(") ").next().unwrap().split(' ').collect();
+        f[11].parse::<f64>().unwrap() / 100.0
+    };
     let t = Instant::now();
     p.set_scene(&device, &queue, &scene);
     p.render(&device, &queue, size, size, 1).unwrap();
@@ -74,12 +86,19 @@ fn main() {
     let c = cpu();
     p.set_scene(&device, &queue, &scene);
     let pixels = p.render(&device, &queue, size, size, frames).unwrap();
-    println!("render {frames}: {:?} steps {} cpu {:.0} ms per step", t.elapsed(), p.steps(), (cpu() - c) * 1e3 / p.steps() as f64);
+    println!(
+        "render {frames}: {:?} steps {} cpu {:.0} ms per step",
+        t.elapsed(),
+        p.steps(),
+        (cpu() - c) * 1e3 / p.steps() as f64
+    );
     let d = Display { transform, exposure_ev: ev };
     let mut ppm = format!("P6 {size} {size} 255\n").into_bytes();
     let mut sum = [0f64; 3];
     for px in &pixels {
-        for k in 0..3 { sum[k] += px[k] as f64; }
+        for k in 0..3 {
+            sum[k] += px[k] as f64;
+        }
         ppm.extend(d.apply_u8([px[0], px[1], px[2]]));
     }
     println!("mean {:?}", sum.map(|x| x / pixels.len() as f64));

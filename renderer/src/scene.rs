@@ -163,7 +163,8 @@ impl Scene {
 
     /// Bounds of the objects that carry the edited material; of everything if there is none.
     pub fn document_bounds(&self) -> Bounds {
-        let of = |all: bool| self.objects.iter().filter(|o| all || o.is_document).map(|o| o.mesh.bounds()).reduce(|a, b| a.union(b));
+        let of =
+            |all: bool| self.objects.iter().filter(|o| all || o.is_document).map(|o| o.mesh.bounds()).reduce(|a, b| a.union(b));
         of(false).or_else(|| of(true)).unwrap_or(Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE })
     }
 }

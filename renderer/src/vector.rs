@@ -125,7 +125,7 @@ impl<L: Lanes> Rgb<L> {
     /// Rec.709 luminance.
     #[inline(always)]
     pub fn luminance(self) -> L {
-        self.0[0] * L::of(0.212_639_0) + self.0[1] * L::of(0.715_168_7) + self.0[2] * L::of(0.072_192_3)
+        self.0[0] * L::of(0.212_639) + self.0[1] * L::of(0.715_168_7) + self.0[2] * L::of(0.072_192_3)
     }
     /// `a` where the mask holds, else `b`.
     #[inline(always)]

@@ -34,19 +34,34 @@ pub fn cases(rough: f64) -> Vec<(&'static str, Material)> {
         ("lambert", with(&[white, (specular_level, f(0.0))])),
         ("dielectric, black", with(&[(base_color, c(0.0, 0.0, 0.0)), (specular_edge_color, c(0.9, 0.5, 0.2))])),
         ("metal, white", with(&[white, (metallic, f(1.0))])),
-        ("metal, gold", with(&[(base_color, c(1.0, 0.71, 0.31)), (metallic, f(1.0)), (specular_edge_color, c(0.94, 0.96, 0.91))])),
+        (
+            "metal, gold",
+            with(&[(base_color, c(1.0, 0.71, 0.31)), (metallic, f(1.0)), (specular_edge_color, c(0.94, 0.96, 0.91))]),
+        ),
         ("metal, stretched", with(&[white, (metallic, f(1.0)), (anisotropy, f(0.6)), (anisotropy_rotation, f(0.1))])),
         ("half metal", with(&[(base_color, c(0.9, 0.4, 0.2)), (metallic, f(0.5))])),
         ("glass", with(&[(translucency, f(1.0))])),
-        ("glass, tinted", with(&[(translucency, f(1.0)), (absorption_color, c(0.8, 0.5, 0.2)), (specular_edge_color, c(1.0, 0.6, 0.6))])),
+        (
+            "glass, tinted",
+            with(&[(translucency, f(1.0)), (absorption_color, c(0.8, 0.5, 0.2)), (specular_edge_color, c(1.0, 0.6, 0.6))]),
+        ),
         ("glass, nearly matched", with(&[(translucency, f(1.0)), (specular_ior, f(1.001))])),
         ("glass, dense", with(&[(translucency, f(1.0)), (specular_ior, f(3.0)), (specular_level, f(1.0))])),
         ("glass, thin", with(&[(translucency, f(1.0)), (specular_ior, f(0.7))])),
         ("half glass", with(&[white, (translucency, f(0.5)), (metallic, f(0.2))])),
         ("coat, rough", with(&[white, (coat, f(1.0)), (coat_roughness, f(0.3))])),
-        ("coat, tinted metal", with(&[white, (metallic, f(1.0)), (coat, f(0.7)), (coat_roughness, f(0.2)), (coat_color, c(0.9, 0.3, 0.1))])),
-        ("coat over glass", with(&[(translucency, f(1.0)), (coat, f(1.0)), (coat_roughness, f(0.2)), (coat_color, c(0.5, 0.8, 0.9))])),
+        (
+            "coat, tinted metal",
+            with(&[white, (metallic, f(1.0)), (coat, f(0.7)), (coat_roughness, f(0.2)), (coat_color, c(0.9, 0.3, 0.1))]),
+        ),
+        (
+            "coat over glass",
+            with(&[(translucency, f(1.0)), (coat, f(1.0)), (coat_roughness, f(0.2)), (coat_color, c(0.5, 0.8, 0.9))]),
+        ),
         ("sheen", with(&[white, (sheen, f(1.0)), (sheen_roughness, f(0.4))])),
-        ("sheen under coat", with(&[white, (sheen, f(0.5)), (sheen_color, c(0.9, 0.1, 0.4)), (coat, f(0.5)), (coat_roughness, f(0.4))])),
+        (
+            "sheen under coat",
+            with(&[white, (sheen, f(0.5)), (sheen_color, c(0.9, 0.1, 0.4)), (coat, f(0.5)), (coat_roughness, f(0.4))]),
+        ),
     ]
 }

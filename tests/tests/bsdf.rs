@@ -86,7 +86,12 @@ fn weight_is_eval_over_pdf() {
             assert!((pdf / s.pdf - 1.0).abs() < 1e-4, "{name}, sample {i}: pdf {pdf} and {}", s.pdf);
             for c in 0..3 {
                 let error = (value.0[c] / pdf - s.weight.0[c]).abs();
-                assert!(error < 1e-4 * s.weight.max_channel() + 1e-9, "{name}, sample {i}: {} and {}", value.0[c] / pdf, s.weight.0[c]);
+                assert!(
+                    error < 1e-4 * s.weight.max_channel() + 1e-9,
+                    "{name}, sample {i}: {} and {}",
+                    value.0[c] / pdf,
+                    s.weight.0[c]
+                );
             }
         }
     });
@@ -127,7 +132,12 @@ fn single_precision_follows_double_precision() {
             let limit = if name.contains("nearly matched") { 3e-2 } else { 1e-3 };
             assert!((f64::from(p1) - p2).abs() <= limit * p2 + 1e-6, "{name}, direction {i}: pdf {p1} and {p2}");
             for c in 0..3 {
-                assert!((f64::from(v1.0[c]) - v2.0[c]).abs() <= limit * v2.0[c] + 1e-6, "{name}, direction {i}: {} and {}", v1.0[c], v2.0[c]);
+                assert!(
+                    (f64::from(v1.0[c]) - v2.0[c]).abs() <= limit * v2.0[c] + 1e-6,
+                    "{name}, direction {i}: {} and {}",
+                    v1.0[c],
+                    v2.0[c]
+                );
             }
         }
     });

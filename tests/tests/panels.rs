@@ -36,7 +36,7 @@ fn window() -> Window {
 }
 
 fn app(window: &Window) -> &App {
-    window.state().as_ref().unwrap()
+    window.state().as_ref().expect("the first frame makes it")
 }
 
 fn material(window: &Window) -> Material {
@@ -56,7 +56,8 @@ fn settle(window: &mut Window) {
 }
 
 fn set_document(window: &mut Window, edit: impl FnOnce(&mut Material)) {
-    edit(&mut window.state_mut().as_mut().unwrap().editor_mut().document.material);
+    let app = window.state_mut().as_mut().expect("the first frame makes it");
+    edit(&mut app.editor_mut().document.material);
     window.run_steps(3);
 }
 
@@ -309,7 +310,7 @@ fn saving_clears_the_mark_and_undo_sets_it_again() {
 
 fn open(window: &mut Window, path: &Path) {
     let ctx = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().load_path(path, &ctx);
+    window.state_mut().as_mut().expect("the first frame makes it").load_path(path, &ctx);
     settle(window);
 }
 

@@ -59,7 +59,10 @@ fn dielectric_fresnel() {
             };
             close(&format!("c {c}, eta {eta}"), fresnel(c, eta), expected, 1e-9);
             let single = f64::from(fresnel::<f32>(c as f32, eta as f32));
-            assert!((single - fresnel(f64::from(c as f32), f64::from(eta as f32))).abs() <= 2e-5 * single + 1e-12, "f32, c {c}, eta {eta}");
+            assert!(
+                (single - fresnel(f64::from(c as f32), f64::from(eta as f32))).abs() <= 2e-5 * single + 1e-12,
+                "f32, c {c}, eta {eta}"
+            );
         }
     }
 }
@@ -69,7 +72,12 @@ fn average_fresnel_of_the_tables() {
     for (ior, expected) in [(1.5, 0.09178), (1.6, 0.10625), (2.0, 0.16060), (3.0, 0.27620)] {
         close(&format!("IOR {ior}"), dielectric_albedo_mean::<f64>(ior, 0.0), expected, 6e-4);
         // The jump at the critical angle falls between two entries of the table.
-        close(&format!("IOR {ior} from inside"), dielectric_albedo_mean::<f64>(1.0 / ior, 0.0), 1.0 - (1.0 - expected) / (ior * ior), 1e-2);
+        close(
+            &format!("IOR {ior} from inside"),
+            dielectric_albedo_mean::<f64>(1.0 / ior, 0.0),
+            1.0 - (1.0 - expected) / (ior * ior),
+            1e-2,
+        );
     }
 }
 

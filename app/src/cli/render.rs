@@ -6,7 +6,7 @@ use super::material_argument::LoadedMaterial;
 use super::scene_options::{LoadedScene, SceneOptions, positive};
 use super::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::export::{self, Format, Layer, LayerKind, Picture};
-use burnish_material::{LobeSet, MaterialFile};
+use burnish_material::{LobeSet, Material, MaterialFile};
 use burnish_renderer::path::{self, ErrorEstimate, Film, Prepared, Progress, Settings, StopReason, StopRules};
 use burnish_renderer::preview::{self, Preview};
 use burnish_renderer::scene::Scene;
@@ -207,7 +207,7 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         stop_reason: rendering.stop_reason.word(),
         error: film.error(),
         nonfinite: rendering.nonfinite,
-        lobes: lobes(&loaded.scene),
+        lobes: lobes(&loaded.scene, path::evaluated_lobes),
     })
 }
 
@@ -323,16 +323,13 @@ fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Mes
         stop_reason,
         error: None,
         nonfinite,
-        lobes: lobes(&loaded.scene),
+        lobes: lobes(&loaded.scene, LobeSet::of),
     })
 }
 
-fn lobes(scene: &Scene) -> LobeSet {
-    scene
-        .objects
-        .iter()
-        .filter(|object| object.is_document)
-        .fold(LobeSet::EMPTY, |set, object| set.union(LobeSet::of(&object.material)))
+/// Lobes of the document's objects, as one of the renderers counts them.
+fn lobes(scene: &Scene, of: impl Fn(&Material) -> LobeSet) -> LobeSet {
+    scene.objects.iter().filter(|object| object.is_document).fold(LobeSet::EMPTY, |set, object| set.union(of(&object.material)))
 }
 
 /// What the picture was made from; no times, so that equal jobs give equal files.

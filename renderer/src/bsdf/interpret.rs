@@ -95,11 +95,8 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
     let roughness = inputs.roughness.sat();
     let anisotropy = if lobes.has(Lobe::anisotropy) { inputs.anisotropy.sat() } else { L::zero() };
     let (alpha_x, alpha_y, is_smooth) = alphas(roughness, anisotropy);
-    let (rotation_sin, rotation_cos) = if lobes.has(Lobe::anisotropy) {
-        (L::of(2.0 * PI) * inputs.anisotropy_rotation).sin_cos()
-    } else {
-        (L::zero(), one)
-    };
+    let (rotation_sin, rotation_cos) =
+        if lobes.has(Lobe::anisotropy) { (L::of(2.0 * PI) * inputs.anisotropy_rotation).sin_cos() } else { (L::zero(), one) };
 
     let coat = if lobes.has(Lobe::coat) { inputs.coat.sat() } else { L::zero() };
     let ior = inputs.specular_ior.max(L::of(1e-3));

@@ -19,8 +19,8 @@ use burnish_material::{Lobe, LobeSet};
 use coat::coat_passage;
 use fresnel::{f82_tint, fresnel};
 use ggx::{
-    cosine_sample, d_ggx, g1_smith, reflect, reflection_pdf, reflection_visibility, refract, rotate_z, smith_length, vndf_bound, vndf_pdf,
-    vndf_sample,
+    cosine_sample, d_ggx, g1_smith, reflect, reflection_pdf, reflection_visibility, refract, rotate_z, smith_length, vndf_bound,
+    vndf_pdf, vndf_sample,
 };
 pub use interpret::{Optics, interpret};
 use sheen::{sheen_eval, sheen_sample};
@@ -303,12 +303,8 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
         let cos_om = self.wo.dot(m);
         let cos_im = wi.dot(m);
         let denominator = cos_om + self.eta * cos_im;
-        let is_possible = cos_om.gt(zero)
-            & cos_im.lt(zero)
-            & m.z.gt(zero)
-            & !o.is_smooth
-            & !o.is_matched
-            & denominator.abs().gt(L::of(1e-12));
+        let is_possible =
+            cos_om.gt(zero) & cos_im.lt(zero) & m.z.gt(zero) & !o.is_smooth & !o.is_matched & denominator.abs().gt(L::of(1e-12));
         let m_stretch = rotate_z(m, o.rotation_cos, -o.rotation_sin);
         let wi_stretch = rotate_z(wi, o.rotation_cos, -o.rotation_sin);
         let d = d_ggx(m_stretch, o.alpha_x, o.alpha_y);

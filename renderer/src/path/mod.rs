@@ -32,7 +32,7 @@ pub use render::{Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, 
 pub use schedule::render_pass;
 
 use crate::scene::Scene;
-use burnish_material::{Lobe, LobeSet};
+use burnish_material::{Lobe, LobeSet, Material};
 
 /// What a pass did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,14 +68,21 @@ impl PassStats {
     }
 }
 
+/// Lobes that this renderer does not have, and what it draws instead.
+const LEFT_OUT: [(Lobe, &str); 4] = [
+    (Lobe::scattering, "scattering in the body is left out; light passes it as if it were clear"),
+    (Lobe::dispersion, "dispersion is left out; all colours refract alike"),
+    (Lobe::height, "the height map is left out; the surface stays flat"),
+    (Lobe::coat_normal_map, "the coat's normal map is left out; the coat follows the surface"),
+];
+
+/// The lobes of a material that this renderer evaluates.
+pub fn evaluated_lobes(material: &Material) -> LobeSet {
+    LEFT_OUT.iter().fold(LobeSet::of(material), |set, (lobe, _)| set.without(*lobe))
+}
+
 /// Sentences that name what the materials of a scene ask for and this renderer leaves out.
 pub fn unsupported(scene: &Scene) -> Vec<String> {
-    const LEFT_OUT: [(Lobe, &str); 4] = [
-        (Lobe::scattering, "scattering in the body is left out; light passes it as if it were clear"),
-        (Lobe::dispersion, "dispersion is left out; all colours refract alike"),
-        (Lobe::height, "the height map is left out; the surface stays flat"),
-        (Lobe::coat_normal_map, "the coat's normal map is left out; the coat follows the surface"),
-    ];
     let mut sentences = Vec::new();
     for object in &scene.objects {
         let material = &object.material;

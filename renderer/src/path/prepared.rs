@@ -1,6 +1,7 @@
 //! What a scene becomes before it is rendered: one tree, tables of the light, one surface per material.
 
 use super::batch::Batch;
+use super::evaluated_lobes;
 use super::geometry::Geometry;
 use super::light::{Light, LightTables};
 use super::texture::Texture;
@@ -45,7 +46,7 @@ impl Surface {
     fn new(object: &Object, scale: f64) -> Self {
         let length_scale = if object.length_scale.is_finite() && object.length_scale > 0.0 { object.length_scale } else { 1.0 };
         Self {
-            lobes: LobeSet::of(&object.material),
+            lobes: evaluated_lobes(&object.material),
             inputs: object.material.inputs(),
             textures: Texture::all_of(object),
             length_scale: length_scale * scale,

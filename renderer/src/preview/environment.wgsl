@@ -38,7 +38,7 @@ fn floor_place(p: vec3f) -> vec3f {
 fn floor_irradiance(p: vec3f) -> vec3f {
     let place = floor_place(p);
     let baked = textureSampleLevel(floor_light, floor_sampler, place.xy, 0.0).rgb;
-    return max(open_irradiance(vec3f(0.0, 1.0, 0.0)) + baked * place.z, vec3f(0.0));
+    return max(frame.floor_open.rgb + baked * place.z, vec3f(0.0));
 }
 
 // Radiance of the floor at `p`, averaged over a disc `across` wide.

@@ -25,8 +25,6 @@ pub(super) struct Floor {
     pub center: Vec2,
     /// Half the width of the maps.
     pub half_width: f32,
-    /// Half the width of the floor itself.
-    pub reach: f32,
     /// Albedo, [`COLOR_SIZE`] squared, rows along z.
     pub color: Vec<Vec3>,
     /// Mean albedo of the map.
@@ -88,14 +86,12 @@ pub(super) fn find(scene: &Scene) -> Option<Floor> {
     let center = Vec2::new(bounds.center().x, bounds.center().z);
     let half_width = HALF_WIDTH_RADII * bounds.radius().max(1e-6);
     let mut color = vec![Vec3::ZERO; COLOR_SIZE * COLOR_SIZE];
-    let mut reach = 0.0_f32;
     for object in &parts {
         let albedo = object.material.color(Property::base_color).map(|c| c as f32).into();
         paint(&object.mesh, albedo, center, half_width, &mut color);
-        reach = object.mesh.positions.iter().fold(reach, |r, p| r.max(p.x.abs()).max(p.z.abs()));
     }
     let mean = color.iter().sum::<Vec3>() / color.len() as f32;
-    Some(Floor { y, center, half_width, reach, color, mean })
+    Some(Floor { y, center, half_width, color, mean })
 }
 
 /// Gives every texel whose middle lies in a triangle the triangle's colour.

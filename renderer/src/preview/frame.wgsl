@@ -16,8 +16,9 @@ struct Frame {
     environment: vec4f,
     // x, z: centre of the floor map; y: height of the floor; w: half its width, or 0 without a floor.
     floor: vec4f,
-    // Mean radiance of the floor under an environment of factor 1; w: half the width of the floor itself.
+    // Mean radiance of the floor, and irradiance on it where nothing stands near, under an environment of factor 1.
     floor_mean: vec4f,
+    floor_open: vec4f,
     // x: number of the first sample; y: samples per lobe; z: samples that the light is filtered for; w: 1 with baked light.
     samples: vec4f,
     // Sphere about the edited object.

@@ -48,26 +48,26 @@ use wgpu::util::DeviceExt;
 
 /// Pictures that the first frame is the mean of, at most: they stand in for anti-aliasing.
 const TAPS_MAX: u32 = 4;
-/// Samples per lobe in each picture after the first frame.
-const LATER_SAMPLES: u32 = 8;
 /// Pictures after which nothing visible changes any more.
 const STEPS_MAX: u32 = 64;
 
-/// How the first frame is made.
+/// How frames are made.
 #[derive(Clone, Copy, Debug)]
 struct First {
     /// Pictures, at most [`TAPS_MAX`].
     taps: u32,
     /// Samples per lobe in each.
     samples: u32,
+    /// Samples per lobe in each picture that follows.
+    later: u32,
 }
 
 impl First {
     /// A software adapter takes as long for the vertices as for everything else: one picture there, four elsewhere.
     fn on(device: &wgpu::Device) -> Self {
         match device.adapter_info().device_type {
-            wgpu::DeviceType::Cpu => Self { taps: 1, samples: 8 },
-            _ => Self { taps: TAPS_MAX, samples: 4 },
+            wgpu::DeviceType::Cpu => Self { taps: 1, samples: 4, later: 4 },
+            _ => Self { taps: TAPS_MAX, samples: 4, later: 8 },
         }
     }
 }
@@ -505,10 +505,19 @@ impl Preview {
         });
         let Some(frame) = self.frame_binds.get(slot) else { return };
         pass.set_bind_group(0, frame, &[]);
-        pass.set_pipeline(&self.pipelines.background);
-        pass.draw(0..3, 0..1);
+        // The background comes after what hides it and before what lets it through.
+        let mut background = Some(&self.pipelines.background);
+        let mut draw_background = |pass: &mut wgpu::RenderPass<'_>| {
+            if let Some(pipeline) = background.take() {
+                pass.set_pipeline(pipeline);
+                pass.draw(0..3, 0..1);
+            }
+        };
         for (&i, made) in order.iter().zip(pipelines) {
             let drawn = &self.objects[i];
+            if made.back.is_some() {
+                draw_background(&mut pass);
+            }
             pass.set_bind_group(1, &drawn.bind, &[]);
             pass.set_vertex_buffer(0, drawn.buffers.vertices.slice(..));
             pass.set_vertex_buffer(1, drawn.buffers.baked.slice(..));
@@ -518,6 +527,7 @@ impl Preview {
                 pass.draw_indexed(0..drawn.buffers.index_count, 0, 0..1);
             }
         }
+        draw_background(&mut pass);
     }
 
     fn frame_block(&self, scene: &Scene, width: u32, height: u32, step: u32) -> FrameBlock {
@@ -529,12 +539,12 @@ impl Preview {
         let (sin, cos) = scene.environment.rotation_deg.to_radians().sin_cos();
         let light = self.light.as_ref();
         let floor = self.stage.floor.as_ref();
-        let First { taps, samples } = self.first;
+        let First { taps, samples, later } = self.first;
         let (first, count, all) = if step < taps {
             (step * samples, samples, taps * samples)
         } else {
-            let before = taps * samples + (step - taps) * LATER_SAMPLES;
-            (before, LATER_SAMPLES, before + LATER_SAMPLES)
+            let before = taps * samples + (step - taps) * later;
+            (before, later, before + later)
         };
         FrameBlock {
             origin: four(basis.origin, near),
@@ -546,7 +556,8 @@ impl Preview {
             jitter: [shift.x, shift.y, width as f32, height as f32],
             environment: [cos, sin, scene.environment.scale, light.map_or(1.0, |l| l.made.levels.len() as f32)],
             floor: floor.map_or([0.0; 4], |f| [f.center.x, f.y, f.center.y, f.half_width]),
-            floor_mean: four(light.map_or(Vec3::ZERO, |l| l.made.floor_mean), floor.map_or(0.0, |f| f.reach)),
+            floor_mean: four(light.map_or(Vec3::ZERO, |l| l.made.floor_mean), 0.0),
+            floor_open: four(light.map_or(Vec3::ZERO, |l| l.made.up), 0.0),
             samples: [first as f32, count as f32, all as f32, f32::from(u8::from(self.baker.has_result()))],
             body: four(bounds.center(), bounds.radius()),
         }

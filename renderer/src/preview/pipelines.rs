@@ -103,7 +103,7 @@ impl Pipelines {
             &frame_only,
             ["vertex_screen", "fragment_background"],
             COLOR_FORMAT.into(),
-            Some(depth_state(false, wgpu::CompareFunction::Always)),
+            Some(depth_state(false, wgpu::CompareFunction::GreaterEqual)),
         )?;
         let mean = screen("mean", &output, &output_layout, ["vertex_output", "fragment_mean"], MEAN_FORMAT.into(), None)?;
         let display =

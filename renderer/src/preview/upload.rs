@@ -28,6 +28,7 @@ pub(super) struct FrameBlock {
     pub environment: [f32; 4],
     pub floor: [f32; 4],
     pub floor_mean: [f32; 4],
+    pub floor_open: [f32; 4],
     pub samples: [f32; 4],
     pub body: [f32; 4],
 }
