@@ -8,28 +8,29 @@ use burnish_material::Unit;
 pub fn parse(text: &str, unit: Unit, unit_mm: f64) -> Option<f64> {
     let text = text.trim().replace('−', "-").to_lowercase();
     let text = text.strip_suffix("radiance").or_else(|| text.strip_suffix("units")).unwrap_or(&text).trim_end();
-    let (body, factor) = match unit {
+    // Multiplied by the one and divided by the other, in this order, so that 12 mm at 10 mm per unit is 1.2 to the last bit.
+    let (body, times, per) = match unit {
         Unit::Length => with_suffix(text, &[("mm", 1.0), ("cm", 10.0), ("in", 25.4), ("m", 1000.0)], unit_mm),
         Unit::Turn => with_suffix(text, &[("turns", 360.0), ("turn", 360.0), ("deg", 1.0), ("°", 1.0)], 360.0),
-        _ => (text, 1.0),
+        _ => (text, 1.0, 1.0),
     };
-    let (body, factor) = body.strip_suffix('%').map_or((body, factor), |body| (body, 0.01 * factor));
+    let (body, per) = body.strip_suffix('%').map_or((body, per), |body| (body, 100.0 * per));
     // A comma is a decimal point where people write it so; no field takes a list.
     let body = body.replace(',', ".");
     let mut parser = Parser { rest: body.as_bytes(), depth: 0 };
-    let value = parser.sum()? * factor;
+    let value = parser.sum()? * times / per;
     parser.skip_spaces();
     (parser.rest.is_empty() && value.is_finite()).then_some(value)
 }
 
-/// Splits off a unit; the factor turns the number into units of `base`.
-fn with_suffix<'a>(text: &'a str, units: &[(&str, f64)], base: f64) -> (&'a str, f64) {
+/// Splits off a unit; the number times the second over the third is in units of `base`.
+fn with_suffix<'a>(text: &'a str, units: &[(&str, f64)], base: f64) -> (&'a str, f64, f64) {
     for (suffix, size) in units {
         if let Some(body) = text.strip_suffix(suffix) {
-            return (body.trim_end(), size / base);
+            return (body.trim_end(), *size, base);
         }
     }
-    (text, 1.0)
+    (text, 1.0, 1.0)
 }
 
 struct Parser<'a> {

@@ -9,22 +9,29 @@
 //!
 //! * Bounces. Objects see the environment, the floor with its light map, and soft shapes of what is near (nine spherical
 //!   harmonics per vertex); they do not see sharp images of themselves, of the stand or of each other.
-//! * Colour does not bleed from the object to the floor, and no caustics appear: the object only darkens the floor.
+//! * The object only darkens the floor, as a black body would: its colour does not bleed, refracting and cut-through bodies cast full
+//!   shadows, and no caustics appear. The floor about the object is a few percent too dark.
 //! * Diffuse light comes from irradiance: the coupling with the reflecting interface takes its mean over directions, which is
 //!   exact under even light and off by a few percent of the diffuse part elsewhere.
-//! * Refraction goes through a sphere in the place of the body (tangent to it where light enters), with all inner reflections in
-//!   one chain; a rough exit is blurred instead of sampled.
-//! * Opacity blends back faces, then front faces, of each object in order of distance; bodies behind a refracting one are not seen through it.
+//! * Between a body's own walls light goes to and fro as if all were diffuse and equally lit; concave metal comes out too smooth.
+//! * Baked light belongs to vertices of which near ones share a computation: shadows on bodies are softer than they are.
+//! * Refraction goes through a sphere in the place of the body (tangent to it where light enters), with inner reflections in
+//!   one chain of four; a rough exit is blurred instead of sampled. Other bodies are not seen through it, only floor and environment.
+//! * Opacity blends back faces, then front faces, of each object in order of distance.
 //! * The first frames average light over the share of each sample, which softens reflections of small lights; the share
 //!   shrinks as frames add up.
-//! * Left out: scattering in the body, dispersion, height, the normal map of the coat (the coat follows the surface).
+//! * Left out: scattering in the body, dispersion, height, the maps of occlusion and thickness, and the normal map of the coat
+//!   (the coat follows the mapped surface).
 
 mod bake;
+mod bake_job;
 mod device;
 mod environment;
 mod floor;
+mod frame;
 mod pipelines;
 mod shader;
+mod take;
 mod targets;
 mod upload;
 
@@ -39,38 +46,16 @@ use burnish_material::{LobeSet, Material};
 use device::guarded;
 use environment::Prefiltered;
 use floor::Floor;
-use glam::{Vec2, Vec3};
+use frame::{First, TAPS_MAX};
+use glam::Vec3;
 use pipelines::{PipelineKind, Pipelines};
 use std::sync::Arc;
 use targets::Targets;
 use upload::{FrameBlock, MeshBuffers};
 use wgpu::util::DeviceExt;
 
-/// Pictures that the first frame is the mean of, at most: they stand in for anti-aliasing.
-const TAPS_MAX: u32 = 4;
 /// Pictures after which nothing visible changes any more.
 const STEPS_MAX: u32 = 64;
-
-/// How frames are made.
-#[derive(Clone, Copy, Debug)]
-struct First {
-    /// Pictures, at most [`TAPS_MAX`].
-    taps: u32,
-    /// Samples per lobe in each.
-    samples: u32,
-    /// Samples per lobe in each picture that follows.
-    later: u32,
-}
-
-impl First {
-    /// A software adapter takes as long for the vertices as for everything else: one picture there, four elsewhere.
-    fn on(device: &wgpu::Device) -> Self {
-        match device.adapter_info().device_type {
-            wgpu::DeviceType::Cpu => Self { taps: 1, samples: 4, later: 4 },
-            _ => Self { taps: TAPS_MAX, samples: 4, later: 8 },
-        }
-    }
-}
 
 /// The preview of one scene. Needs a device and a queue, and no window.
 #[derive(Debug)]
@@ -210,168 +195,6 @@ impl Preview {
     /// Pictures in the mean so far.
     pub fn steps(&self) -> u32 {
         self.steps
-    }
-
-    fn take_scene(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<(), PreviewError> {
-        let mut is_rebound = self.frame_binds.is_empty();
-        is_rebound |= self.take_stage(device, queue, scene)?;
-        is_rebound |= self.take_light(device, queue, scene)?;
-        let is_changed = self.take_objects(device, queue, scene)?;
-        let is_same_view = self.scene.as_ref().is_some_and(|old| {
-            old.camera == scene.camera
-                && old.environment.rotation_deg == scene.environment.rotation_deg
-                && old.environment.scale == scene.environment.scale
-        });
-        if is_rebound || is_changed || !is_same_view {
-            self.steps = 0;
-        }
-        self.scene = Some(scene.clone());
-        if let Some(light) = &self.light {
-            self.baker.request(scene, self.stage.floor.as_ref(), &light.made);
-        }
-        if is_rebound {
-            self.bind_frame(device);
-        }
-        Ok(())
-    }
-
-    fn take_stage(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
-        // The floor's map is placed by the edited object, so that counts too; its material does not.
-        let key: Vec<_> = scene
-            .objects
-            .iter()
-            .map(|o| (o.mesh.clone(), if o.is_document { Arc::default() } else { o.material.clone() }))
-            .collect();
-        let is_same = key.len() == self.stage.key.len()
-            && key
-                .iter()
-                .zip(&self.stage.key)
-                .zip(&scene.objects)
-                .all(|((a, b), o)| Arc::ptr_eq(&a.0, &b.0) && (o.is_document || *a.1 == *b.1));
-        if is_same {
-            return Ok(false);
-        }
-        let black = |label| upload::upload_levels(device, queue, label, &[upload::black()]);
-        self.stage = Stage { key, floor: floor::find(scene), radiance: black("floor radiance")?, light: black("floor light")? };
-        // The environment was filtered for the old floor.
-        self.light = None;
-        Ok(true)
-    }
-
-    fn take_light(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
-        let floor_albedo = self.stage.floor.as_ref().map(|f| f.mean);
-        if self.light.as_ref().is_some_and(|l| Arc::ptr_eq(&l.map, &scene.environment.map) && l.floor_albedo == floor_albedo) {
-            return Ok(false);
-        }
-        let made = environment::prefilter(&scene.environment.map, floor_albedo);
-        if let Some(floor) = &self.stage.floor {
-            self.stage.radiance = upload::upload_levels(device, queue, "floor radiance", &floor.radiance(made.up, None))?;
-            self.stage.light = upload::upload_levels(device, queue, "floor light", &[upload::black()])?;
-        }
-        self.light = Some(Light {
-            map: scene.environment.map.clone(),
-            floor_albedo,
-            radiance: upload::upload_levels(device, queue, "environment", &made.levels)?,
-            irradiance: upload::upload_levels(device, queue, "irradiance", std::slice::from_ref(&made.irradiance))?,
-            made: Arc::new(made),
-        });
-        Ok(true)
-    }
-
-    fn take_objects(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
-        let mut is_changed = self.objects.len() != scene.objects.len();
-        let mut old: Vec<Option<Drawn>> = self.objects.drain(..).map(Some).collect();
-        for (i, object) in scene.objects.iter().enumerate() {
-            let same_mesh = |d: &Drawn| Arc::ptr_eq(&d.object.mesh, &object.mesh);
-            // The same place first, then any: a list that got shorter keeps its uploads.
-            let place = Some(i)
-                .filter(|&i| old.get(i).is_some_and(|d| d.as_ref().is_some_and(same_mesh)))
-                .or_else(|| old.iter().position(|d| d.as_ref().is_some_and(same_mesh)));
-            let found = place.and_then(|k| old[k].take());
-            let is_same = found.as_ref().is_some_and(|d| {
-                Arc::ptr_eq(&d.object.textures, &object.textures)
-                    && d.object.length_scale == object.length_scale
-                    && (Arc::ptr_eq(&d.object.material, &object.material) || *d.object.material == *object.material)
-            });
-            let drawn = match found {
-                Some(drawn) if is_same => Drawn { object: object.clone(), ..drawn },
-                found => {
-                    is_changed = true;
-                    self.upload_object(device, queue, object, found)?
-                }
-            };
-            self.objects.push(drawn);
-        }
-        Ok(is_changed)
-    }
-
-    fn upload_object(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        object: &Object,
-        previous: Option<Drawn>,
-    ) -> Result<Drawn, PreviewError> {
-        let block = upload::object_block(object);
-        let lobes = LobeSet::of(&object.material);
-        if let Some(mut drawn) = previous {
-            queue.write_buffer(&drawn.block, 0, bytemuck::bytes_of(&block));
-            let slots = |o: &Object| o.material.slots().map(|(_, s)| s.texture.clone()).collect::<Vec<_>>();
-            if !Arc::ptr_eq(&drawn.object.textures, &object.textures) || slots(&drawn.object) != slots(object) {
-                drawn.maps = upload::upload_maps(device, queue, object)?;
-                drawn.bind = self.bind_object(device, &drawn.block, &drawn.maps);
-            }
-            drawn.object = object.clone();
-            drawn.lobes = lobes;
-            return Ok(drawn);
-        }
-        let buffers = Arc::new(upload::upload_mesh(device, &object.mesh)?);
-        let block = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("object"),
-            contents: bytemuck::bytes_of(&block),
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        });
-        let maps = upload::upload_maps(device, queue, object)?;
-        let bind = self.bind_object(device, &block, &maps);
-        Ok(Drawn { object: object.clone(), lobes, buffers, block, maps, bind })
-    }
-
-    fn bind_object(&self, device: &wgpu::Device, block: &wgpu::Buffer, maps: &wgpu::TextureView) -> wgpu::BindGroup {
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("object"),
-            layout: &self.pipelines.layouts.object,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: block.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(maps) },
-                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&self.samplers.maps) },
-            ],
-        })
-    }
-
-    fn bind_frame(&mut self, device: &wgpu::Device) {
-        let Some(light) = &self.light else { return };
-        let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
-        let sampler = |binding, sampler| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::Sampler(sampler) };
-        self.frame_binds = self
-            .frame_blocks
-            .iter()
-            .map(|block| {
-                device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("frame"),
-                    layout: &self.pipelines.layouts.frame,
-                    entries: &[
-                        wgpu::BindGroupEntry { binding: 0, resource: block.as_entire_binding() },
-                        view(1, &light.radiance),
-                        sampler(2, &self.samplers.sphere),
-                        view(3, &light.irradiance),
-                        view(4, &self.stage.light),
-                        view(5, &self.stage.radiance),
-                        sampler(6, &self.samplers.floor),
-                        wgpu::BindGroupEntry { binding: 7, resource: self.tables.as_entire_binding() },
-                    ],
-                })
-            })
-            .collect();
     }
 
     /// Draws one more frame and adds it to the mean. Returns whether further frames would refine the picture.
@@ -530,39 +353,6 @@ impl Preview {
         draw_background(&mut pass);
     }
 
-    fn frame_block(&self, scene: &Scene, width: u32, height: u32, step: u32) -> FrameBlock {
-        let basis = scene.camera.basis(width as f32 / height as f32);
-        let four = |v: Vec3, w: f32| v.extend(w).to_array();
-        let bounds = scene.document_bounds();
-        let near = ((basis.origin - bounds.center()).length() * 1e-3).max(1e-6);
-        let shift = (jitter(step, self.first.taps) * 2.0) / Vec2::new(width as f32, height as f32);
-        let (sin, cos) = scene.environment.rotation_deg.to_radians().sin_cos();
-        let light = self.light.as_ref();
-        let floor = self.stage.floor.as_ref();
-        let First { taps, samples, later } = self.first;
-        let (first, count, all) = if step < taps {
-            (step * samples, samples, taps * samples)
-        } else {
-            let before = taps * samples + (step - taps) * later;
-            (before, later, before + later)
-        };
-        FrameBlock {
-            origin: four(basis.origin, near),
-            right_inverse: four(basis.right / basis.right.length_squared(), 0.0),
-            up_inverse: four(basis.up / basis.up.length_squared(), 0.0),
-            right: four(basis.right, 0.0),
-            up: four(basis.up, 0.0),
-            forward: four(basis.forward, 0.0),
-            jitter: [shift.x, shift.y, width as f32, height as f32],
-            environment: [cos, sin, scene.environment.scale, light.map_or(1.0, |l| l.made.levels.len() as f32)],
-            floor: floor.map_or([0.0; 4], |f| [f.center.x, f.y, f.center.y, f.half_width]),
-            floor_mean: four(light.map_or(Vec3::ZERO, |l| l.made.floor_mean), 0.0),
-            floor_open: four(light.map_or(Vec3::ZERO, |l| l.made.up), 0.0),
-            samples: [first as f32, count as f32, all as f32, f32::from(u8::from(self.baker.has_result()))],
-            body: four(bounds.center(), bounds.radius()),
-        }
-    }
-
     /// What is shown: `Rgba8Unorm`, gamma-encoded, opaque. `None` until something was drawn.
     pub fn display_view(&self) -> Option<&wgpu::TextureView> {
         self.targets.as_ref().filter(|_| self.steps > 0).map(|t| &t.display)
@@ -639,17 +429,4 @@ fn screen_pass(
     pass.set_pipeline(pipeline);
     pass.set_bind_group(0, bind, &[]);
     pass.draw(0..3, 0..1);
-}
-
-/// Place of a picture within the pixel, -0.5 to 0.5: its middle or a rotated grid first, then an even sequence (Roberts 2018).
-fn jitter(step: u32, taps: u32) -> Vec2 {
-    const GRID: [Vec2; TAPS_MAX as usize] =
-        [Vec2::new(-0.125, -0.375), Vec2::new(0.375, -0.125), Vec2::new(-0.375, 0.125), Vec2::new(0.125, 0.375)];
-    match GRID.get(step as usize) {
-        Some(place) if taps == TAPS_MAX => *place,
-        _ => {
-            let k = step.saturating_sub(if taps == TAPS_MAX { taps } else { 0 }) as f32;
-            Vec2::new((0.5 + k * 0.754_877_7).fract() - 0.5, (0.5 + k * 0.569_840_3).fract() - 0.5)
-        }
-    }
 }

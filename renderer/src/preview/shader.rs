@@ -167,14 +167,14 @@ mod tests {
         validate(&scene, "scene");
         let extra = "@compute @workgroup_size(1) fn main() { _ = fresnel(0.5, 1.5); _ = display_apply(vec3f(1.0), 0.0, 0u); }";
         let twin = twin_shader(extra);
-        validate(&naga::front::wgsl::parse_str(&twin).unwrap(), "twins");
+        validate(&naga::front::wgsl::parse_str(&twin).expect("the twins parse alone"), "twins");
     }
 
     #[test]
     fn every_lobe_set_is_valid() {
         let scene = parse(&scene_pieces());
         let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
-        let info = validator.validate(&scene).unwrap();
+        let info = validator.validate(&scene).expect("the scene shader is valid");
         let mut sets = vec![LobeSet::all(), LobeSet::EMPTY];
         for (i, a) in LOBES.iter().enumerate() {
             sets.push(LobeSet::all().without(a.lobe));

@@ -1,0 +1,78 @@
+//! What differs from picture to picture: the place within the pixel, the stretch of samples, and the camera.
+
+use super::Preview;
+use super::upload::FrameBlock;
+use crate::scene::Scene;
+use glam::{Vec2, Vec3};
+
+/// Pictures that the first frame is the mean of, at most: they stand in for anti-aliasing.
+pub(super) const TAPS_MAX: u32 = 4;
+/// How frames are made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct First {
+    /// Pictures, at most [`TAPS_MAX`].
+    pub taps: u32,
+    /// Samples per lobe in each.
+    samples: u32,
+    /// Samples per lobe in each picture that follows.
+    later: u32,
+}
+
+impl First {
+    /// A software adapter takes as long for the vertices as for everything else: one picture there, four elsewhere.
+    pub fn on(device: &wgpu::Device) -> Self {
+        match device.adapter_info().device_type {
+            wgpu::DeviceType::Cpu => Self { taps: 1, samples: 4, later: 4 },
+            _ => Self { taps: TAPS_MAX, samples: 4, later: 8 },
+        }
+    }
+}
+
+impl Preview {
+    /// The uniform block of picture number `step`.
+    pub(super) fn frame_block(&self, scene: &Scene, width: u32, height: u32, step: u32) -> FrameBlock {
+        let basis = scene.camera.basis(width as f32 / height as f32);
+        let four = |v: Vec3, w: f32| v.extend(w).to_array();
+        let bounds = scene.document_bounds();
+        let near = ((basis.origin - bounds.center()).length() * 1e-3).max(1e-6);
+        let shift = (jitter(step, self.first.taps) * 2.0) / Vec2::new(width as f32, height as f32);
+        let (sin, cos) = scene.environment.rotation_deg.to_radians().sin_cos();
+        let light = self.light.as_ref();
+        let floor = self.stage.floor.as_ref();
+        let First { taps, samples, later } = self.first;
+        let (first, count, all) = if step < taps {
+            (step * samples, samples, taps * samples)
+        } else {
+            let before = taps * samples + (step - taps) * later;
+            (before, later, before + later)
+        };
+        FrameBlock {
+            origin: four(basis.origin, near),
+            right_inverse: four(basis.right / basis.right.length_squared(), 0.0),
+            up_inverse: four(basis.up / basis.up.length_squared(), 0.0),
+            right: four(basis.right, 0.0),
+            up: four(basis.up, 0.0),
+            forward: four(basis.forward, 0.0),
+            jitter: [shift.x, shift.y, width as f32, height as f32],
+            environment: [cos, sin, scene.environment.scale, light.map_or(1.0, |l| l.made.levels.len() as f32)],
+            floor: floor.map_or([0.0; 4], |f| [f.center.x, f.y, f.center.y, f.half_width]),
+            floor_mean: four(light.map_or(Vec3::ZERO, |l| l.made.floor_mean), 0.0),
+            floor_open: four(light.map_or(Vec3::ZERO, |l| l.made.up), 0.0),
+            samples: [first as f32, count as f32, all as f32, f32::from(u8::from(self.baker.has_result()))],
+            body: four(bounds.center(), bounds.radius()),
+        }
+    }
+}
+
+/// Place of a picture within the pixel, -0.5 to 0.5: its middle or a rotated grid first, then an even sequence (Roberts 2018).
+fn jitter(step: u32, taps: u32) -> Vec2 {
+    const GRID: [Vec2; TAPS_MAX as usize] =
+        [Vec2::new(-0.125, -0.375), Vec2::new(0.375, -0.125), Vec2::new(-0.375, 0.125), Vec2::new(0.125, 0.375)];
+    match GRID.get(step as usize) {
+        Some(place) if taps == TAPS_MAX => *place,
+        _ => {
+            let k = step.saturating_sub(if taps == TAPS_MAX { taps } else { 0 }) as f32;
+            Vec2::new((0.5 + k * 0.754_877_7).fract() - 0.5, (0.5 + k * 0.569_840_3).fract() - 0.5)
+        }
+    }
+}

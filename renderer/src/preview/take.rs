@@ -1,0 +1,172 @@
+//! Taking a scene: finds what changed since the last one and uploads only that.
+
+use super::device::PreviewError;
+use super::{Drawn, Light, Preview, Stage, environment, floor, upload};
+use crate::scene::{Object, Scene};
+use burnish_material::LobeSet;
+use std::sync::Arc;
+use wgpu::util::DeviceExt;
+
+impl Preview {
+    pub(super) fn take_scene(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<(), PreviewError> {
+        let mut is_rebound = self.frame_binds.is_empty();
+        is_rebound |= self.take_stage(device, queue, scene)?;
+        is_rebound |= self.take_light(device, queue, scene)?;
+        let is_changed = self.take_objects(device, queue, scene)?;
+        let is_same_view = self.scene.as_ref().is_some_and(|old| {
+            old.camera == scene.camera
+                && old.environment.rotation_deg == scene.environment.rotation_deg
+                && old.environment.scale == scene.environment.scale
+        });
+        if is_rebound || is_changed || !is_same_view {
+            self.steps = 0;
+        }
+        self.scene = Some(scene.clone());
+        if let Some(light) = &self.light {
+            self.baker.request(scene, self.stage.floor.as_ref(), &light.made);
+        }
+        if is_rebound {
+            self.bind_frame(device);
+        }
+        Ok(())
+    }
+
+    fn take_stage(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
+        // The floor's map is placed by the edited object, so that counts too; its material does not.
+        let key: Vec<_> = scene
+            .objects
+            .iter()
+            .map(|o| (o.mesh.clone(), if o.is_document { Arc::default() } else { o.material.clone() }))
+            .collect();
+        let is_same = key.len() == self.stage.key.len()
+            && key
+                .iter()
+                .zip(&self.stage.key)
+                .zip(&scene.objects)
+                .all(|((a, b), o)| Arc::ptr_eq(&a.0, &b.0) && (o.is_document || *a.1 == *b.1));
+        if is_same {
+            return Ok(false);
+        }
+        let black = |label| upload::upload_levels(device, queue, label, &[upload::black()]);
+        self.stage = Stage { key, floor: floor::find(scene), radiance: black("floor radiance")?, light: black("floor light")? };
+        // The environment was filtered for the old floor.
+        self.light = None;
+        Ok(true)
+    }
+
+    fn take_light(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
+        let floor_albedo = self.stage.floor.as_ref().map(|f| f.mean);
+        if self.light.as_ref().is_some_and(|l| Arc::ptr_eq(&l.map, &scene.environment.map) && l.floor_albedo == floor_albedo) {
+            return Ok(false);
+        }
+        let made = environment::prefilter(&scene.environment.map, floor_albedo);
+        if let Some(floor) = &self.stage.floor {
+            self.stage.radiance = upload::upload_levels(device, queue, "floor radiance", &floor.radiance(made.up, None))?;
+            self.stage.light = upload::upload_levels(device, queue, "floor light", &[upload::black()])?;
+        }
+        self.light = Some(Light {
+            map: scene.environment.map.clone(),
+            floor_albedo,
+            radiance: upload::upload_levels(device, queue, "environment", &made.levels)?,
+            irradiance: upload::upload_levels(device, queue, "irradiance", std::slice::from_ref(&made.irradiance))?,
+            made: Arc::new(made),
+        });
+        Ok(true)
+    }
+
+    fn take_objects(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
+        let mut is_changed = self.objects.len() != scene.objects.len();
+        let mut old: Vec<Option<Drawn>> = self.objects.drain(..).map(Some).collect();
+        for (i, object) in scene.objects.iter().enumerate() {
+            let same_mesh = |d: &Drawn| Arc::ptr_eq(&d.object.mesh, &object.mesh);
+            // The same place first, then any: a list that got shorter keeps its uploads.
+            let place = Some(i)
+                .filter(|&i| old.get(i).is_some_and(|d| d.as_ref().is_some_and(same_mesh)))
+                .or_else(|| old.iter().position(|d| d.as_ref().is_some_and(same_mesh)));
+            let found = place.and_then(|k| old[k].take());
+            let is_same = found.as_ref().is_some_and(|d| {
+                Arc::ptr_eq(&d.object.textures, &object.textures)
+                    && d.object.length_scale == object.length_scale
+                    && (Arc::ptr_eq(&d.object.material, &object.material) || *d.object.material == *object.material)
+            });
+            let drawn = match found {
+                Some(drawn) if is_same => Drawn { object: object.clone(), ..drawn },
+                found => {
+                    is_changed = true;
+                    self.upload_object(device, queue, object, found)?
+                }
+            };
+            self.objects.push(drawn);
+        }
+        Ok(is_changed)
+    }
+
+    fn upload_object(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        object: &Object,
+        previous: Option<Drawn>,
+    ) -> Result<Drawn, PreviewError> {
+        let block = upload::object_block(object);
+        let lobes = LobeSet::of(&object.material);
+        if let Some(mut drawn) = previous {
+            queue.write_buffer(&drawn.block, 0, bytemuck::bytes_of(&block));
+            let slots = |o: &Object| o.material.slots().map(|(_, s)| s.texture.clone()).collect::<Vec<_>>();
+            if !Arc::ptr_eq(&drawn.object.textures, &object.textures) || slots(&drawn.object) != slots(object) {
+                drawn.maps = upload::upload_maps(device, queue, object)?;
+                drawn.bind = self.bind_object(device, &drawn.block, &drawn.maps);
+            }
+            drawn.object = object.clone();
+            drawn.lobes = lobes;
+            return Ok(drawn);
+        }
+        let buffers = Arc::new(upload::upload_mesh(device, &object.mesh)?);
+        let block = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("object"),
+            contents: bytemuck::bytes_of(&block),
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        });
+        let maps = upload::upload_maps(device, queue, object)?;
+        let bind = self.bind_object(device, &block, &maps);
+        Ok(Drawn { object: object.clone(), lobes, buffers, block, maps, bind })
+    }
+
+    fn bind_object(&self, device: &wgpu::Device, block: &wgpu::Buffer, maps: &wgpu::TextureView) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("object"),
+            layout: &self.pipelines.layouts.object,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: block.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(maps) },
+                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&self.samplers.maps) },
+            ],
+        })
+    }
+
+    pub(super) fn bind_frame(&mut self, device: &wgpu::Device) {
+        let Some(light) = &self.light else { return };
+        let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
+        let sampler = |binding, sampler| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::Sampler(sampler) };
+        self.frame_binds = self
+            .frame_blocks
+            .iter()
+            .map(|block| {
+                device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("frame"),
+                    layout: &self.pipelines.layouts.frame,
+                    entries: &[
+                        wgpu::BindGroupEntry { binding: 0, resource: block.as_entire_binding() },
+                        view(1, &light.radiance),
+                        sampler(2, &self.samplers.sphere),
+                        view(3, &light.irradiance),
+                        view(4, &self.stage.light),
+                        view(5, &self.stage.radiance),
+                        sampler(6, &self.samplers.floor),
+                        wgpu::BindGroupEntry { binding: 7, resource: self.tables.as_entire_binding() },
+                    ],
+                })
+            })
+            .collect();
+    }
+}
