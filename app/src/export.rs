@@ -278,7 +278,7 @@ mod tests {
     fn exr_keeps_values_layers_and_job() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        assert_eq!(write(&path, &picture(), Display::default()).unwrap(), [path.clone()]);
+        assert_eq!(write(&path, &picture(), Display::default()).unwrap(), std::slice::from_ref(&path));
         let read = read_all_flat_layers_from_file(&path).unwrap();
         let layer = &read.layer_data[0];
         let names: Vec<String> = layer.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();

@@ -53,8 +53,8 @@ pub fn integrate(bsdf: &Bsdf<'_, f64>, wo: V3<f64>, optics: &Optics<f64>) -> Int
                 let (value, pdf) = bsdf.eval(wi);
                 let w = st * weight_theta * std::f64::consts::TAU / azimuth as f64;
                 let target = if is_across { &mut result.transmitted } else { &mut result.reflected };
-                for c in 0..3 {
-                    target[c] += value.0[c] * w;
+                for (sum, value) in target.iter_mut().zip(value.0) {
+                    *sum += value * w;
                 }
                 result.pdf += pdf * w;
             }

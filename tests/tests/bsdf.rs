@@ -1,5 +1,7 @@
 //! Do samples, values and densities of the whole BSDF belong together, at every width and precision?
 
+#![allow(clippy::needless_range_loop, reason = "a channel indexes several arrays at once")]
+
 use burnish_material::{LobeSet, Material};
 use burnish_renderer::bsdf::{Bsdf, Optics, interpret};
 use burnish_renderer::lanes::{Lanes, Mask, Wide};

@@ -1,5 +1,7 @@
 //! Does the path tracer return what each lobe reflects and transmits, and never more than it received?
 
+#![allow(clippy::needless_range_loop, reason = "a channel indexes several arrays at once")]
+
 use burnish_material::{LobeSet, Material};
 use burnish_renderer::bsdf::{Bsdf, interpret};
 use burnish_renderer::path::{Settings, StopRules, render};

@@ -1,5 +1,7 @@
 //! Do the WGSL twins compute what the Rust lobes compute? Run on the adapter, through the same sources that draw.
 
+#![allow(clippy::needless_range_loop, reason = "a channel indexes several arrays at once")]
+
 use burnish_material::{LobeSet, Material, PROPERTIES};
 use burnish_renderer::bsdf::{Bsdf, interpret};
 use burnish_renderer::tonemap::{Display, DisplayTransform};

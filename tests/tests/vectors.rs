@@ -1,5 +1,7 @@
 //! Numbers that the model reference states for its formulas.
 
+#![allow(clippy::needless_range_loop, reason = "a channel indexes several arrays at once")]
+
 use burnish_renderer::bsdf::coat::coat_exponent;
 use burnish_renderer::bsdf::fresnel::{f0_from_ior, f82_average, f82_coefficient, f82_tint, fresnel, ior_from_f0, level_to_ior};
 use burnish_renderer::bsdf::ggx::alphas;

@@ -68,6 +68,7 @@ pub struct Preview {
     output_blocks: Vec<wgpu::Buffer>,
     scene: Option<Scene>,
     light: Option<Light>,
+    filtering: Option<take::Filtering>,
     stage: Stage,
     objects: Vec<Drawn>,
     baker: Baker,
@@ -160,6 +161,7 @@ impl Preview {
             output_blocks,
             scene: None,
             light: None,
+            filtering: None,
             stage,
             objects: Vec::new(),
             baker: Baker::default(),
@@ -187,9 +189,9 @@ impl Preview {
         self.error.as_ref()
     }
 
-    /// Whether occlusion is still being computed, or a pipeline compiled: the picture will still change.
+    /// Whether light or occlusion is still being computed, or a pipeline compiled: the picture will still change.
     pub fn is_settling(&self) -> bool {
-        self.baker.is_busy() || self.pipelines.is_waiting()
+        self.baker.is_busy() || self.pipelines.is_waiting() || self.filtering.is_some()
     }
 
     /// Pictures in the mean so far.
@@ -227,6 +229,7 @@ impl Preview {
         height: u32,
         display: Display,
     ) -> Result<bool, PreviewError> {
+        self.take_filtered(device, queue)?;
         let Some(scene) = self.scene.clone() else { return Ok(false) };
         let limit = device.limits().max_texture_dimension_2d;
         let (width, height) = (width.clamp(1, limit), height.clamp(1, limit));
@@ -375,6 +378,10 @@ impl Preview {
     ) -> Result<Vec<[f32; 4]>, PreviewError> {
         for kind in self.objects.iter().map(Drawn::kind).collect::<Vec<_>>() {
             self.pipelines.for_lobes(device, kind, true)?;
+        }
+        while self.filtering.is_some() {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+            self.take_filtered(device, queue)?;
         }
         self.baker.wait();
         for _ in 0..frames.max(1) {

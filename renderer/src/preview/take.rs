@@ -1,11 +1,35 @@
 //! Taking a scene: finds what changed since the last one and uploads only that.
 
 use super::device::PreviewError;
-use super::{Drawn, Light, Preview, Stage, environment, floor, upload};
+use super::environment::{self, Prefiltered};
+use super::{Drawn, Light, Preview, Stage, floor, upload};
 use crate::scene::{Object, Scene};
+use burnish_assets::Environment;
 use burnish_material::LobeSet;
+use glam::Vec3;
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
 use wgpu::util::DeviceExt;
+
+/// An environment that is being filtered on a thread of its own.
+#[derive(Debug)]
+pub(super) struct Filtering {
+    map: Arc<Environment>,
+    floor_albedo: Option<Vec3>,
+    result: Receiver<Prefiltered>,
+}
+
+impl Filtering {
+    fn start(map: Arc<Environment>, floor_albedo: Option<Vec3>) -> Self {
+        let (sender, result) = channel();
+        let source = map.clone();
+        std::thread::spawn(move || {
+            // Nobody waits any more if another environment was chosen meanwhile.
+            _ = sender.send(environment::prefilter(&source, floor_albedo));
+        });
+        Self { map, floor_albedo, result }
+    }
+}
 
 impl Preview {
     pub(super) fn take_scene(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<(), PreviewError> {
@@ -22,7 +46,7 @@ impl Preview {
             self.steps = 0;
         }
         self.scene = Some(scene.clone());
-        if let Some(light) = &self.light {
+        if let (Some(light), None) = (&self.light, &self.filtering) {
             self.baker.request(scene, self.stage.floor.as_ref(), &light.made);
         }
         if is_rebound {
@@ -47,31 +71,56 @@ impl Preview {
         if is_same {
             return Ok(false);
         }
-        let black = |label| upload::upload_levels(device, queue, label, &[upload::black()]);
-        self.stage = Stage { key, floor: floor::find(scene), radiance: black("floor radiance")?, light: black("floor light")? };
-        // The environment was filtered for the old floor.
-        self.light = None;
+        let floor = floor::find(scene);
+        // The environment was filtered for the old floor: near enough until it has been filtered for the new one.
+        let radiance = match (&floor, &self.light) {
+            (Some(floor), Some(light)) => floor.radiance(light.made.up, None),
+            _ => vec![upload::black()],
+        };
+        let radiance = upload::upload_levels(device, queue, "floor radiance", &radiance)?;
+        let light = upload::upload_levels(device, queue, "floor light", &[upload::black()])?;
+        self.stage = Stage { key, floor, radiance, light };
         Ok(true)
     }
 
+    /// A new environment is filtered on a thread of its own while the old one lights the picture; only the first is waited for.
     fn take_light(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
+        let map = &scene.environment.map;
         let floor_albedo = self.stage.floor.as_ref().map(|f| f.mean);
-        if self.light.as_ref().is_some_and(|l| Arc::ptr_eq(&l.map, &scene.environment.map) && l.floor_albedo == floor_albedo) {
+        if self.light.as_ref().is_some_and(|l| Arc::ptr_eq(&l.map, map) && l.floor_albedo == floor_albedo) {
+            self.filtering = None;
             return Ok(false);
         }
-        let made = environment::prefilter(&scene.environment.map, floor_albedo);
+        let is_first = self.light.is_none();
+        let filtering = match self.filtering.take() {
+            Some(filtering) if Arc::ptr_eq(&filtering.map, map) && filtering.floor_albedo == floor_albedo => filtering,
+            _ => Filtering::start(map.clone(), floor_albedo),
+        };
+        let made = if is_first { filtering.result.recv().ok() } else { filtering.result.try_recv().ok() };
+        let Some(made) = made else {
+            self.filtering = Some(filtering);
+            return Ok(false);
+        };
         if let Some(floor) = &self.stage.floor {
             self.stage.radiance = upload::upload_levels(device, queue, "floor radiance", &floor.radiance(made.up, None))?;
             self.stage.light = upload::upload_levels(device, queue, "floor light", &[upload::black()])?;
         }
         self.light = Some(Light {
-            map: scene.environment.map.clone(),
+            map: map.clone(),
             floor_albedo,
             radiance: upload::upload_levels(device, queue, "environment", &made.levels)?,
             irradiance: upload::upload_levels(device, queue, "irradiance", std::slice::from_ref(&made.irradiance))?,
             made: Arc::new(made),
         });
         Ok(true)
+    }
+
+    /// Takes the environment that has been filtered meanwhile, if it is ready.
+    pub(super) fn take_filtered(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), PreviewError> {
+        if let (Some(_), Some(scene)) = (&self.filtering, self.scene.clone()) {
+            self.take_scene(device, queue, &scene)?;
+        }
+        Ok(())
     }
 
     fn take_objects(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
