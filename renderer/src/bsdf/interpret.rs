@@ -13,6 +13,9 @@ const ABSORPTION_COLOR_MIN: f64 = 1e-3;
 /// Smallest length in scene units. Model reference 10.2.
 const LENGTH_MIN: f64 = 1e-6;
 
+/// Largest emitted radiance: sums along a path and over a picture stay within single precision.
+pub const RADIANCE_MAX: f64 = 1e30;
+
 /// Everything that the lobes and the integrator need at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Optics<L: Lanes> {
@@ -135,7 +138,8 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
     };
 
     let emission = if lobes.has(Lobe::emission) {
-        Rgb(inputs.emission_color.map(|c| c.max(L::zero()))).scale(inputs.emission.max(L::zero()))
+        let strength = inputs.emission.max(L::zero());
+        Rgb(inputs.emission_color.map(|c| (c.max(L::zero()) * strength).min(L::of(RADIANCE_MAX))))
     } else {
         Rgb::black()
     };

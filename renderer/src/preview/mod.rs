@@ -194,11 +194,6 @@ impl Preview {
         self.baker.is_busy() || self.pipelines.is_waiting() || self.filtering.is_some()
     }
 
-    /// Pictures in the mean so far.
-    pub fn steps(&self) -> u32 {
-        self.steps
-    }
-
     /// Draws one more frame and adds it to the mean. Returns whether further frames would refine the picture.
     ///
     /// A new size starts anew. The caller submits the encoder before the next call. Without a scene nothing is drawn.
