@@ -2,12 +2,12 @@
 //!
 //! What a material file means is in `burnish_material`; here it only gets its path, its folder and its images.
 
-use burnish_material::{FileError, Material, MaterialFile};
+use burnish_material::{FileError, MAX_FILE_BYTES, Material, MaterialFile, Warning};
 use burnish_renderer::scene::TextureSet;
 use std::ffi::OsString;
 use std::fmt;
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -23,6 +23,20 @@ pub enum FilesError {
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// The path is a folder, a pipe or a device, whose reading may never end.
+    NotFile {
+        /// What is there.
+        path: PathBuf,
+        /// What it is, with its article.
+        found: &'static str,
+    },
+    /// The file is larger than anything of its kind should be.
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What was expected at most.
+        max_bytes: u64,
     },
     /// The system refused to write; the old file is as it was.
     Write {
@@ -54,11 +68,15 @@ impl fmt::Display for FilesError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Read { path, source } => write!(f, "{}: cannot be read: {source}", path.display()),
+            Self::NotFile { path, found } => write!(f, "{}: expected a file, found {found}", path.display()),
+            Self::TooLarge { path, max_bytes } => {
+                write!(f, "{}: expected a file of at most {max_bytes} bytes, found a larger one", path.display())
+            }
             Self::Write { path, source } => write!(f, "{}: cannot be written: {source}", path.display()),
             Self::Differs { path } => {
                 write!(f, "{}: not saved, because what was read back differs from what was written", path.display())
             }
-            Self::NotText { path } => write!(f, "{}: expected a material as UTF-8 text, found other bytes", path.display()),
+            Self::NotText { path } => write!(f, "{}: expected text in UTF-8, found other bytes", path.display()),
             Self::Material { path, source } => write!(f, "{}: {source}", path.display()),
         }
     }
@@ -69,7 +87,7 @@ impl std::error::Error for FilesError {
         match self {
             Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
             Self::Material { source, .. } => Some(source),
-            Self::Differs { .. } | Self::NotText { .. } => None,
+            Self::NotFile { .. } | Self::TooLarge { .. } | Self::Differs { .. } | Self::NotText { .. } => None,
         }
     }
 }
@@ -136,14 +154,44 @@ fn write_and_check(temporary: &Path, bytes: &[u8], path: &Path) -> Result<(), Fi
     if read_back == bytes { Ok(()) } else { Err(FilesError::Differs { path: path.to_path_buf() }) }
 }
 
+/// What is at a path that is no file, with its article.
+fn kind_of(metadata: &fs::Metadata) -> &'static str {
+    if metadata.is_dir() { "a folder" } else { "a pipe, socket or device" }
+}
+
+/// Reads a file of at most `max_bytes` as text in UTF-8.
+///
+/// What is no file is refused before it is opened: opening a pipe can wait forever, and a device can be without end.
+pub fn read_text_file(path: &Path, max_bytes: u64) -> Result<String, FilesError> {
+    let unreadable = |source| FilesError::Read { path: path.to_path_buf(), source };
+    let too_large = || FilesError::TooLarge { path: path.to_path_buf(), max_bytes };
+    let metadata = fs::metadata(path).map_err(unreadable)?;
+    if !metadata.is_file() {
+        return Err(FilesError::NotFile { path: path.to_path_buf(), found: kind_of(&metadata) });
+    }
+    if metadata.len() > max_bytes {
+        return Err(too_large());
+    }
+    let mut bytes = Vec::new();
+    // The length may be wrong: a file can grow meanwhile, and those that the system makes up have length 0.
+    File::open(path).and_then(|file| file.take(max_bytes + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
+    if bytes.len() as u64 > max_bytes {
+        return Err(too_large());
+    }
+    String::from_utf8(bytes).map_err(|_| FilesError::NotText { path: path.to_path_buf() })
+}
+
+/// Reads a material file with all that is strange about it, but without its images.
+pub fn read_material(path: &Path) -> Result<(MaterialFile, Vec<Warning>), FilesError> {
+    let text = read_text_file(path, MAX_FILE_BYTES as u64)?;
+    MaterialFile::parse(&text).map_err(|source| FilesError::Material { path: path.to_path_buf(), source })
+}
+
 /// Reads a material file and the images it names, relative to its folder.
 ///
 /// A strange value or a missing image is a warning; only unreadable text is an error.
 pub fn open_material(path: &Path) -> Result<OpenedMaterial, FilesError> {
-    let bytes = fs::read(path).map_err(|source| FilesError::Read { path: path.to_path_buf(), source })?;
-    let text = String::from_utf8(bytes).map_err(|_| FilesError::NotText { path: path.to_path_buf() })?;
-    let (file, warnings) =
-        MaterialFile::parse(&text).map_err(|source| FilesError::Material { path: path.to_path_buf(), source })?;
+    let (file, warnings) = read_material(path)?;
     let mut warnings: Vec<String> = warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
     let (textures, missing) = load_textures(file.material(), path.parent());
     warnings.extend(missing);
@@ -161,19 +209,39 @@ pub fn load_textures(material: &Material, folder: Option<&Path>) -> (TextureSet,
         if textures.contains_key(&texture.path) || failed.iter().any(|(path, _)| *path == texture.path) {
             continue;
         }
-        match burnish_assets::load_image(&texture_path(&texture.path, folder)) {
+        let name = property.def().name;
+        if texture.path.is_empty() {
+            // In the words of `burnish_material::check`, so that who prints both can tell that they are one.
+            failed.push((String::new(), format!("{name}: has a texture without a path")));
+            continue;
+        }
+        let path = texture_path(&texture.path, folder);
+        let image = match texture_problem(&path) {
+            Some(problem) => Err(problem),
+            None => burnish_assets::load_image(&path).map_err(|error| error.to_string()),
+        };
+        match image {
             Ok(image) => {
                 textures.insert(texture.path.clone(), Arc::new(image));
             }
             Err(error) => {
-                failed.push((
-                    texture.path.clone(),
-                    format!("{}: the value is used instead of the texture: {error}", property.def().name),
-                ));
+                failed.push((texture.path.clone(), format!("{name}: the value is used instead of the texture: {error}")));
             }
         }
     }
     (textures, failed.into_iter().map(|(_, sentence)| sentence).collect())
+}
+
+/// Why there cannot be an image at this path, as far as that shows without opening it.
+pub fn texture_problem(path: &Path) -> Option<String> {
+    let found = match fs::metadata(path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => "no file".to_owned(),
+        Err(error) => error.to_string(),
+        Ok(metadata) if !metadata.is_file() => kind_of(&metadata).to_owned(),
+        Ok(_) if !burnish_assets::is_image_path(path) => "a name without the ending of one".to_owned(),
+        Ok(_) => return None,
+    };
+    Some(format!("expected an image (.png, .jpg, .jpeg, .exr or .hdr) at {}, found {found}", path.display()))
 }
 
 /// Where a texture lies on disk: `path` itself if absolute, else below `folder`.

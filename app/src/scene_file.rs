@@ -3,6 +3,7 @@
 //! Paths in a scene start at the folder above its file. Lengths are taken as they stand. What other renderers are told
 //! about the same materials is not looked at.
 
+use crate::files::{FilesError, read_text_file};
 use burnish_assets::{AssetError, load_environment, load_model};
 use burnish_material::{Kind, Material, PROPERTIES, Value as MaterialValue};
 use burnish_renderer::scene::{Camera, DEFAULT_MAX_BOUNCES, EnvironmentLight, Object, Scene, TextureSet};
@@ -22,6 +23,12 @@ pub const DOCUMENT_MATERIAL: &str = "test";
 /// Largest width or height of a picture.
 pub const MAX_SIDE: usize = 16_384;
 
+/// Most pixels of a picture, 2^24: a film needs 96 bytes for each, so that more would not fit into most machines.
+pub const MAX_PIXELS: usize = 1 << 24;
+
+/// Larger scene files are refused: they hold names and numbers, while meshes have files of their own.
+const MAX_SCENE_BYTES: u64 = 64 << 20;
+
 /// A scene and the size of its picture.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
@@ -36,13 +43,8 @@ pub struct SceneFile {
 /// Why a scene could not be read; shown to the user as one sentence.
 #[derive(Debug)]
 pub enum SceneFileError {
-    /// The system refused to read.
-    Read {
-        /// The scene file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    /// The file cannot be read as text.
+    File(FilesError),
     /// The text is not JSON.
     NotJson {
         /// The scene file.
@@ -73,7 +75,7 @@ pub enum SceneFileError {
 impl fmt::Display for SceneFileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Read { path, source } => write!(f, "{}: cannot be read: {source}", path.display()),
+            Self::File(source) => source.fmt(f),
             Self::NotJson { path, source } => write!(f, "{}: expected a scene as JSON: {source}", path.display()),
             Self::Unexpected { path, key, problem } => write!(f, "{}: {key}: {problem}", path.display()),
             Self::Asset { path, key, source } => write!(f, "{}: {key}: {source}", path.display()),
@@ -84,7 +86,7 @@ impl fmt::Display for SceneFileError {
 impl std::error::Error for SceneFileError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
-            Self::Read { source, .. } => Some(source),
+            Self::File(source) => Some(source),
             Self::NotJson { source, .. } => Some(source),
             Self::Asset { source, .. } => Some(source.as_ref()),
             Self::Unexpected { .. } => None,
@@ -94,7 +96,7 @@ impl std::error::Error for SceneFileError {
 
 /// Reads a scene with everything it names, and sentences about what has no effect here.
 pub fn load_scene(path: &Path) -> Result<(SceneFile, Vec<String>), SceneFileError> {
-    let text = std::fs::read_to_string(path).map_err(|source| SceneFileError::Read { path: path.to_path_buf(), source })?;
+    let text = read_text_file(path, MAX_SCENE_BYTES).map_err(SceneFileError::File)?;
     let json: Value =
         serde_json::from_str(&text).map_err(|source| SceneFileError::NotJson { path: path.to_path_buf(), source })?;
     let mut reader = Reader { path, folder: folder_above(path), warnings: Vec::new() };
@@ -200,6 +202,10 @@ impl Reader<'_> {
             side.ok_or_else(|| self.expected(&node, &format!("pixels, 1 to {MAX_SIDE}")))
         };
         let size = (side("width")?, side("height")?);
+        if size.0 * size.1 > MAX_PIXELS {
+            let problem = format!("expected at most {MAX_PIXELS} pixels in all, found {} x {}", size.0, size.1);
+            return Err(self.unexpected("film.width", problem));
+        }
         let is_box = film.child("filter").is_none_or(|filter| filter.value.as_str() == Some("box"));
         let is_pixel = film.child("filter_width_px").is_none_or(|width| width.value.as_f64() == Some(1.0));
         if !is_box || !is_pixel {

@@ -128,6 +128,9 @@ fn unusable_arguments_exit_with_2_and_one_line() {
     place.write("scenes/mesh.json", &SCENE.replace("quad.ply", "none.ply"));
     place.write("scenes/asm.json", &SCENE.replace("\"roughness\": 0.5", "\"roughness\": [1, 2]"));
     place.write("scenes/name.json", &SCENE.replace("\"material\": \"test\"", "\"material\": \"chalk\""));
+    place.write("scenes/film.json", &SCENE.replace("\"width\": 24, \"height\": 16", "\"width\": 8192, \"height\": 8192"));
+    fs::create_dir(place.path("folder.asm.ron")).unwrap();
+    fs::File::create(place.path("huge.asm.ron")).unwrap().set_len((16 << 20) + 1).unwrap();
     place.write("scenes/plain.json", &SCENE.replace("\"test\"", "\"chalk\""));
     let cases: &[(&[&str], &[&str])] = &[
         (&["render"], &["--out"]),
@@ -138,6 +141,10 @@ fn unusable_arguments_exit_with_2_and_one_line() {
         (&["render", "nowhere.asm.ron", "--out", "a.png"], &["nowhere.asm.ron"]),
         (&["render", "nan.asm.ron", "--out", "a.png"], &["nan.asm.ron", "line 3", "roughness"]),
         (&["render", "broken.asm.ron", "--out", "a.png"], &["broken.asm.ron", "line 1"]),
+        (&["render", "folder.asm.ron", "--out", "a.png"], &["folder.asm.ron", "expected a file, found a folder"]),
+        (&["render", "huge.asm.ron", "--out", "a.png"], &["huge.asm.ron", "at most 16777216 bytes"]),
+        (&["render", "--scene", "scenes", "--out", "a.png"], &["scenes", "expected a file, found a folder"]),
+        (&["render", "--scene", "scenes/film.json", "--out", "a.png"], &["film.json", "film.width", "16777216"]),
         (&["render", "preset:no such thing", "--out", "a.png"], &["presets list"]),
         (&["render", "chair.gltf", "--out", "a.png"], &["chair.gltf", "not in this version"]),
         (&["render", "old.exr", "--out", "a.png"], &["old.exr", "not in this version"]),
@@ -149,6 +156,13 @@ fn unusable_arguments_exit_with_2_and_one_line() {
         (&["render", "red.asm.ron", "--mesh", "spher", "--out", "a.png"], &["--mesh", "sphere"]),
         (&["render", "red.asm.ron", "--environment", "none.hdr", "--out", "a.png"], &["none.hdr"]),
         (&["render", "red.asm.ron", "--size", "5", "--out", "a.png"], &["--size", "WIDTHxHEIGHT"]),
+        (&["render", "red.asm.ron", "--size", "4096x4097", "--out", "a.png"], &["--size", "16777216 (2^24)"]),
+        (&["render", "red.asm.ron", "--camera", "0,0,1e39", "--out", "a.png"], &["--camera", "distance 1e-15 to 1e15"]),
+        (&["render", "red.asm.ron", "--camera", "0,1e300,1", "--out", "a.png"], &["--camera", "AZIMUTH,ELEVATION,DISTANCE"]),
+        (&["render", "red.asm.ron", "--fov", "-1", "--out", "a.png"], &["--fov", "0.1 to 179 degrees"]),
+        (&["render", "red.asm.ron", "--seed", "-1", "--out", "a.png"], &["--seed", "whole number"]),
+        (&["render", "red.asm.ron", "--threads", "-1", "--out", "a.png"], &["--threads", "whole number, 1 to"]),
+        (&["render", "red.asm.ron", "--error", "-1", "--out", "a.png"], &["--error", "relMSE above 0"]),
         (&["render", "red.asm.ron", "--camera", "1,2", "--out", "a.png"], &["AZIMUTH,ELEVATION,DISTANCE"]),
         (&["render", "red.asm.ron", "--spp", "0", "--out", "a.png"], &["--spp"]),
         (&["render", "red.asm.ron", "--error", "0%", "--out", "a.png"], &["--error", "relMSE"]),
@@ -366,6 +380,49 @@ fn warnings_are_told_and_do_not_stop() {
         assert_eq!(run.code, Some(0), "{words:?}: {}", run.err);
         assert!(run.err.contains("warning: ") && run.err.contains(text), "{words:?}: {}", run.err);
         assert!(!run.json()["warnings"].as_array().unwrap().is_empty(), "{words:?}");
+    }
+}
+
+#[test]
+fn a_material_file_is_warned_about_once_each() {
+    let place = Place::new();
+    let texture = |path: &str| format!("{{\"texture\": {{\"path\": \"{path}\"}}}}");
+    let cases = [
+        ("1.5".to_owned(), "roughness: expected range 0 to 1, found 1.5"),
+        (texture("none.png"), "none.png, found no file"),
+        (texture("env"), "env, found a folder"),
+        (texture("red.asm.ron"), "red.asm.ron, found a name without"),
+        (texture(""), "roughness: has a texture without a path"),
+    ];
+    for (value, text) in cases {
+        place.write("odd.asm.ron", &format!("{{\"asm\": \"4.0\", \"properties\": {{\"roughness\": {value}}}}}"));
+        let run = place.render(&["odd.asm.ron", "--spp", "1", "--out", "a.png", "--json"]);
+        assert_eq!(run.code, Some(0), "{value}: {}", run.err);
+        let json = run.json();
+        let warnings: Vec<_> = json["warnings"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+        assert!(matches!(warnings[..], [only] if only.starts_with("odd.asm.ron: ") && only.contains(text)), "{warnings:?}");
+        assert_eq!(run.err.lines().count(), 1, "{}", run.err);
+
+        let rows = place.run(&["check", "odd.asm.ron", "--json"]).json();
+        assert_eq!((&rows["errors"], &rows["warnings"]), (&0.into(), &1.into()), "{rows}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_instead_of_read() {
+    let place = Place::new();
+    // Where there is no `mkfifo`, the device still tells.
+    let has_pipe = Command::new("mkfifo").arg(place.path("pipe")).status().is_ok_and(|status| status.success());
+    for file in ["/dev/zero", "pipe"].into_iter().take(1 + usize::from(has_pipe)) {
+        for words in [["render", file, "--out", "a.png"], ["render", "--scene", file, "--out=a.png"]] {
+            let run = place.run(&words);
+            assert_eq!(run.code, Some(2), "{words:?}: {}", run.err);
+            assert!(run.err.contains("expected a file, found a pipe"), "{words:?}: {}", run.err);
+        }
+        let checked = place.run(&["check", file]);
+        assert_eq!(checked.code, Some(1), "{}", checked.err);
+        assert!(checked.out.contains("expected a file, found a pipe"), "{}", checked.out);
     }
 }
 

@@ -116,7 +116,8 @@ fn look(picture: &image::RgbImage, [x, y, w, h]: [u32; 4]) -> [f64; 2] {
 
 #[test]
 fn a_slider_moves_both_views_and_the_file_follows() {
-    let tools = std::env::var_os("DISPLAY").is_some() && run("xdotool", &["version"]).is_some() && run("import", &["-version"]).is_some();
+    let tools =
+        std::env::var_os("DISPLAY").is_some() && run("xdotool", &["version"]).is_some() && run("import", &["-version"]).is_some();
     if !tools {
         assert!(std::env::var_os("BURNISH_REQUIRE_GPU").is_none(), "a display, xdotool and ImageMagick are needed here");
         eprintln!("SKIPPED: no display, xdotool or ImageMagick");

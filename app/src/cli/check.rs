@@ -2,7 +2,6 @@
 //!
 //! Findings are the result, so they go to standard output. It does not judge pictures, provenance or duplicates.
 
-use super::material_argument::read;
 use super::{CliError, Outcome, interrupt, print_out};
 use crate::files::{self, FilesError};
 use burnish_material::{FileError, Material, Severity};
@@ -118,7 +117,7 @@ fn check_file(path: &Path, rows: &mut Vec<Row>) {
     let mut add = |line: Option<usize>, severity: Severity, key: &str, message: String| {
         rows.push(Row { file: file_name.clone(), line, severity, key: key.to_owned(), message });
     };
-    let (file, warnings) = match read(path) {
+    let (file, warnings) = match files::read_material(path) {
         Ok(read) => read,
         Err(FilesError::Material { source, .. }) => {
             let line = match source {
@@ -144,18 +143,17 @@ fn check_file(path: &Path, rows: &mut Vec<Row>) {
         // A value outside its range can be rendered, clamped: only what cannot be read fails the file.
         add(None, finding.severity.min(Severity::Warning), key, finding.message);
     }
-    for (key, message) in missing_textures(file.material(), path.parent()) {
+    for (key, message) in unusable_textures(file.material(), path.parent()) {
         add(None, Severity::Warning, key, message);
     }
 }
 
-/// Images that a material names and that are not there; their pixels are not read.
-fn missing_textures(material: &Material, folder: Option<&Path>) -> Vec<(&'static str, String)> {
+/// Images that a material names and that cannot be read; their pixels are not looked at.
+fn unusable_textures(material: &Material, folder: Option<&Path>) -> Vec<(&'static str, String)> {
     let textures = material.slots().filter_map(|(property, slot)| Some((property.def().name, slot.texture.as_ref()?)));
+    // A texture without a path is a finding already.
     textures
-        .filter_map(|(key, texture)| {
-            let path = files::texture_path(&texture.path, folder);
-            (!path.is_file()).then(|| (key, format!("expected an image at {}, found no file", path.display())))
-        })
+        .filter(|(_, texture)| !texture.path.is_empty())
+        .filter_map(|(key, texture)| Some((key, files::texture_problem(&files::texture_path(&texture.path, folder))?)))
         .collect()
 }

@@ -1,8 +1,9 @@
 //! `MATERIAL` on the command line: a path to a material file, or `preset:NAME`.
 
+use super::set::outside_range;
 use super::{CliError, Messages, suggest};
-use crate::files::{self, FilesError};
-use burnish_material::{Material, MaterialFile, Warning};
+use crate::files;
+use burnish_material::{Finding, LimitKind, Material, Severity, Warning};
 use burnish_renderer::scene::TextureSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -49,21 +50,26 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
     if !path.exists() && burnish_presets::find(text).is_some() {
         return Err(CliError::unusable(format!("{text}: there is no such file; did you mean `preset:{text}`?")));
     }
-    let (file, warnings) = read(path).map_err(CliError::unusable)?;
+    let (file, warnings) = files::read_material(path).map_err(CliError::unusable)?;
     report(text, &warnings, messages)?;
     let material = file.material().clone();
     let (textures, missing) = files::load_textures(&material, path.parent());
     for sentence in missing {
         messages.warn_about(path, &sentence);
     }
+    for finding in burnish_material::check(&material).iter().filter(|finding| finding.severity >= Severity::Warning) {
+        messages.warn(format!("{text}: {}", finding_text(&material, finding)));
+    }
     Ok(LoadedMaterial { material: Arc::new(material), textures: Arc::new(textures) })
 }
 
-/// Reads a material file with all that is strange about it.
-pub fn read(path: &Path) -> Result<(MaterialFile, Vec<Warning>), FilesError> {
-    let bytes = std::fs::read(path).map_err(|source| FilesError::Read { path: path.to_path_buf(), source })?;
-    let text = String::from_utf8(bytes).map_err(|_| FilesError::NotText { path: path.to_path_buf() })?;
-    MaterialFile::parse(&text).map_err(|source| FilesError::Material { path: path.to_path_buf(), source })
+/// A finding with its property; a value outside a range that renderers enforce is told as `--set` tells it.
+fn finding_text(material: &Material, finding: &Finding) -> String {
+    let Some(property) = finding.property else { return finding.message.clone() };
+    let def = property.def();
+    let value = material.slot(property).value.filter(|_| def.limits.kind == LimitKind::Hard);
+    let outside = value.and_then(|value| outside_range(def, value));
+    outside.unwrap_or_else(|| format!("{}: {}", def.name, finding.message))
 }
 
 /// Passes warnings on; the first refused value is an error instead.

@@ -6,7 +6,7 @@ use super::material_argument::LoadedMaterial;
 use super::scene_options::{LoadedScene, SceneOptions, positive};
 use super::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::export::{self, Format, Layer, LayerKind, Picture};
-use burnish_material::{LobeSet, Material, MaterialFile};
+use burnish_material::{LobeSet, Material, MaterialFile, Property, TextureRef};
 use burnish_renderer::path::{self, ErrorEstimate, Film, Prepared, Progress, Settings, StopReason, StopRules};
 use burnish_renderer::preview::{self, Preview};
 use burnish_renderer::scene::Scene;
@@ -17,6 +17,7 @@ use glam::Vec3;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Samples per pixel without a stop rule: enough for a picture without visible grain of most materials.
@@ -38,13 +39,13 @@ pub struct RenderArguments {
     #[arg(long, value_name = "final|preview", default_value = "final", value_parser = view)]
     view: View,
     /// Stops after this many samples per pixel [default without any stop rule: 256]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
     /// Stops after this many seconds of rendering
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive)]
     pub time: Option<f64>,
     /// Stops when the estimated relMSE is below this; a percentage is its square root (2% = 0.0004)
-    #[arg(long, value_name = "RELMSE", value_parser = relmse)]
+    #[arg(long, value_name = "RELMSE", allow_hyphen_values = true, value_parser = relmse)]
     pub error: Option<f64>,
     /// Further layers: channels of an .exr, or files NAME.LAYER.png beside a .png
     #[arg(long, value_name = "albedo,normal,depth,variance,samples", value_delimiter = ',', value_parser = layer)]
@@ -158,7 +159,7 @@ fn refuse_target(path: &Path) -> Result<(), CliError> {
 }
 
 fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Messages) -> Result<Rendered, CliError> {
-    for sentence in path::unsupported(&loaded.scene) {
+    for sentence in left_out(&loaded.scene) {
         messages.warn(sentence);
     }
     let has_rule = arguments.spp.is_some() || arguments.time.is_some() || arguments.error.is_some();
@@ -209,6 +210,21 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         nonfinite: rendering.nonfinite,
         lobes: lobes(&loaded.scene, path::evaluated_lobes),
     })
+}
+
+/// What the path tracer leaves out, other than images that are not there: loading told each with its reason.
+fn left_out(scene: &Scene) -> Vec<String> {
+    let mut scene = scene.clone();
+    for object in &mut scene.objects {
+        let textures = &object.textures;
+        let is_missing = |texture: &TextureRef| !textures.contains_key(&texture.path);
+        let slots = object.material.slots().filter(|(_, slot)| slot.texture.as_ref().is_some_and(is_missing));
+        let missing: Vec<Property> = slots.map(|(property, _)| property).collect();
+        for property in missing {
+            Arc::make_mut(&mut object.material).slot_mut(property).texture = None;
+        }
+    }
+    path::unsupported(&scene)
 }
 
 fn opaque(mean: &[[f32; 3]]) -> Vec<[f32; 4]> {

@@ -3,7 +3,7 @@
 use super::material_argument::{self, LoadedMaterial};
 use super::set::{Assignment, parse_number, parse_triple};
 use super::{CliError, Messages, interrupt, suggest};
-use crate::scene_file::{DOCUMENT_MATERIAL, MAX_SIDE, load_scene};
+use crate::scene_file::{DOCUMENT_MATERIAL, MAX_PIXELS, MAX_SIDE, load_scene};
 use burnish_assets::{
     ENVIRONMENTS, Environment, Model, SHAPES, is_environment_path, is_model_path, load_environment, load_model, make_environment,
     make_shape,
@@ -16,8 +16,8 @@ use std::sync::Arc;
 
 /// Width and height unless something says otherwise.
 pub const DEFAULT_SIDE: usize = 512;
-/// More pixels would need more memory than most machines have.
-const MAX_PIXELS: usize = 1 << 26;
+/// Shorter and longer distances overflow where lengths are squared in single precision.
+const CAMERA_DISTANCES: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
 const MAX_THREADS: usize = 1024;
 
 /// What is drawn, and how large.
@@ -40,28 +40,28 @@ pub struct SceneOptions {
     #[arg(long, value_name = "AZ,EL,DIST", allow_hyphen_values = true, value_parser = orbit)]
     pub camera: Option<Orbit>,
     /// Full vertical angle of view, 0.1 to 179 degrees; the camera stays where it is
-    #[arg(long, value_name = "DEG", value_parser = field_of_view)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = field_of_view)]
     pub fov: Option<f64>,
     /// Scattering events after the first hit, at most
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = bounces)]
     pub max_bounces: Option<u32>,
     /// Sets a property by formal name or usage string; colours as r,g,b (linear) or #rrggbb (sRGB). Repeatable
     #[arg(long, value_name = "PROPERTY=VALUE", allow_hyphen_values = true, value_parser = Assignment::parse)]
     pub set: Vec<Assignment>,
     /// Threads that render [default: all]
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = threads)]
     pub threads: Option<usize>,
     /// Random stream; equal seeds give equal pictures
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_hyphen_values = true, value_parser = seed)]
     pub seed: u64,
-    /// Size of the picture in pixels [default: 512x512, or that of the scene file]
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    /// Size of the picture, at most 16384 pixels a side and 16777216 (2^24) in all [default: 512x512, or that of the scene file]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
     pub size: Option<(usize, usize)>,
     /// Whole scene as asm-bench-scene/1 JSON; its material `test` is the one that MATERIAL replaces
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Millimetres per scene unit [default: what the mesh file says, else 100]
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = positive)]
     pub unit_mm: Option<f64>,
 }
 
@@ -276,20 +276,32 @@ fn threads(text: &str) -> Result<usize, String> {
     threads.ok_or_else(|| format!("expected a whole number, 1 to {MAX_THREADS}"))
 }
 
+fn bounces(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| format!("expected a whole number, 0 to {}", u32::MAX))
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("expected a whole number, 0 to {}", u64::MAX))
+}
+
 fn orbit(text: &str) -> Result<Orbit, String> {
-    let orbit = parse_triple(text).filter(|[_, _, distance]| *distance > 0.0);
+    let orbit = parse_triple(text)
+        .filter(|[_, elevation, distance]| (*elevation as f32).is_finite() && CAMERA_DISTANCES.contains(distance));
     let orbit = orbit.map(|[azimuth, elevation, distance]| Orbit {
         azimuth_deg: azimuth.rem_euclid(360.0) as f32,
         elevation_deg: elevation as f32,
         distance: distance as f32,
     });
-    orbit.ok_or_else(|| "expected AZIMUTH,ELEVATION,DISTANCE in degrees and scene units, distance above 0".to_owned())
+    orbit.ok_or_else(|| {
+        let (nearest, farthest) = CAMERA_DISTANCES.into_inner();
+        format!("expected AZIMUTH,ELEVATION,DISTANCE in degrees and scene units, distance {nearest:e} to {farthest:e}")
+    })
 }
 
 fn size(text: &str) -> Result<(usize, usize), String> {
     let read = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
     read.filter(|(w, h)| (1..=MAX_SIDE).contains(w) && (1..=MAX_SIDE).contains(h) && w * h <= MAX_PIXELS)
-        .ok_or_else(|| format!("expected WIDTHxHEIGHT in pixels, each 1 to {MAX_SIDE}, at most {MAX_PIXELS} in all"))
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT in pixels, each 1 to {MAX_SIDE}, at most {MAX_PIXELS} (2^24) in all"))
 }
 
 #[cfg(test)]
@@ -299,11 +311,11 @@ mod tests {
     #[test]
     fn sizes_and_cameras_are_read_or_refused() {
         assert_eq!(size("64x32"), Ok((64, 32)));
-        for text in ["", "64", "0x5", "64x", "x64", "-1x5", "99999x1", "16384x16384", "1e3x5"] {
+        for text in ["", "64", "0x5", "64x", "x64", "-1x5", "99999x1", "16384x16384", "4096x4097", "1e3x5"] {
             assert!(size(text).is_err(), "{text}");
         }
         assert_eq!(orbit("-90, 10,5").map(|o| (o.azimuth_deg, o.elevation_deg, o.distance)), Ok((270.0, 10.0, 5.0)));
-        for text in ["", "1,2", "1,2,0", "1,2,-3", "a,b,c", "1,2,3,4", "NaN,0,1"] {
+        for text in ["", "1,2", "1,2,0", "1,2,-3", "a,b,c", "1,2,3,4", "NaN,0,1", "0,1e300,1", "0,0,1e39", "0,0,1e-300"] {
             assert!(orbit(text).is_err(), "{text}");
         }
     }

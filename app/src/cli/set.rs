@@ -32,11 +32,16 @@ impl Assignment {
         if material.slot_mut(self.property).texture.take().is_some() {
             notes.push(format!("--set {}: replaces the texture", def.name));
         }
-        if let Some(x) = self.value.numbers().iter().find(|x| !def.limits.contains(**x)) {
-            notes.push(format!("--set {}: expected {}, found {x}", def.name, def.limits.text()));
-        }
+        notes.extend(outside_range(def, self.value).map(|note| format!("--set {note}")));
         notes
     }
+}
+
+/// What is said about a value outside the property's range.
+pub fn outside_range(def: &PropertyDef, value: Value) -> Option<String> {
+    let numbers = value.numbers();
+    let outside = numbers.iter().find(|x| !def.limits.contains(**x))?;
+    Some(format!("{}: expected {}, found {outside}", def.name, def.limits.text()))
 }
 
 /// The property that a name means: formal name, usage string or common name.
