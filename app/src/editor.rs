@@ -14,7 +14,10 @@ use std::sync::Arc;
 #[derive(Debug)]
 struct Origin {
     path: Option<PathBuf>,
-    file: MaterialFile,
+    /// The text as opened. Every save starts from it, so that an edit taken back gives its spelling again, also after saves between.
+    file: Arc<MaterialFile>,
+    /// What the disk holds.
+    saved: Arc<MaterialFile>,
 }
 
 /// The material being edited, its images, and what its file held when it was opened or saved last.
@@ -44,7 +47,8 @@ impl Document {
 
     fn with_origin(file: MaterialFile, path: Option<PathBuf>, textures: Arc<TextureSet>) -> Self {
         let material = file.material().clone();
-        Self { material, textures, origin: Arc::new(Origin { path, file }), covers_unsaved: false }
+        let file = Arc::new(file);
+        Self { material, textures, origin: Arc::new(Origin { path, saved: file.clone(), file }), covers_unsaved: false }
     }
 
     /// A document that takes the place of `self` as one step that undo can take back.
@@ -54,9 +58,14 @@ impl Document {
         next
     }
 
-    /// The file with its text as opened or saved last.
+    /// The file with its text as opened.
     pub fn file(&self) -> &MaterialFile {
         &self.origin.file
+    }
+
+    /// The file as the disk holds it.
+    pub fn saved(&self) -> &MaterialFile {
+        &self.origin.saved
     }
 
     /// Where the document was opened from or saved to.
@@ -71,7 +80,7 @@ impl Document {
 
     /// Whether closing would lose something.
     pub fn is_modified(&self) -> bool {
-        self.covers_unsaved || self.material != *self.origin.file.material()
+        self.covers_unsaved || self.material != *self.origin.saved.material()
     }
 
     /// Whether nothing that undo restores differs.
@@ -105,9 +114,9 @@ impl Document {
         }
     }
 
-    /// Records that `path` now holds `file`.
-    pub fn set_saved(&mut self, path: PathBuf, file: MaterialFile) {
-        self.origin = Arc::new(Origin { path: Some(path), file });
+    /// Records that `path` now holds `saved`.
+    pub fn set_saved(&mut self, path: PathBuf, saved: MaterialFile) {
+        self.origin = Arc::new(Origin { path: Some(path), file: self.origin.file.clone(), saved: Arc::new(saved) });
         self.covers_unsaved = false;
     }
 
@@ -124,11 +133,11 @@ impl Document {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ViewMode {
     /// The GPU's picture, at once.
-    #[default]
     Preview,
     /// The path tracer's picture, refined.
     Final,
     /// Preview on the left, final on the right.
+    #[default]
     Both,
 }
 

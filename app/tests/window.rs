@@ -11,8 +11,8 @@ const PATIENCE: Duration = Duration::from_secs(150);
 /// The window's size at start; without a window manager it stands at the display's corner.
 const SIZE: (u32, u32) = (1280, 800);
 /// Middle of the roughness slider's handle at 0.3, and where it is dragged to.
-const ROUGHNESS_FROM: (u32, u32) = (1046, 237);
-const ROUGHNESS_TO: (u32, u32) = (1110, 237);
+const ROUGHNESS_FROM: (u32, u32) = (1075, 237);
+const ROUGHNESS_TO: (u32, u32) = (1118, 237);
 /// A part of each view that shows the ball: left, top, width, height.
 const PREVIEW: [u32; 4] = [300, 300, 160, 200];
 const FINAL: [u32; 4] = [600, 300, 160, 200];

@@ -187,7 +187,7 @@ impl App {
         let path = std::path::absolute(&path).unwrap_or(path);
         let mut document = self.editor.document.clone();
         document.move_to_folder(path.parent());
-        let changed = document.file().changed(&document.material);
+        let changed = document.saved().changed(&document.material);
         let text = document.file().to_text(&document.material);
         let saved = files::save_atomic(&path, text.as_bytes()).map_err(|error| error.to_string()).and_then(|()| {
             let reread =
