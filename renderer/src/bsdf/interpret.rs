@@ -14,7 +14,7 @@ const ABSORPTION_COLOR_MIN: f64 = 1e-3;
 const LENGTH_MIN: f64 = 1e-6;
 
 /// Largest emitted radiance: sums along a path and over a picture stay within single precision.
-pub const RADIANCE_MAX: f64 = 1e30;
+pub const EMISSION_MAX: f64 = 1e30;
 
 /// Everything that the lobes and the integrator need at one point.
 #[derive(Clone, Copy, Debug)]
@@ -139,7 +139,7 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
 
     let emission = if lobes.has(Lobe::emission) {
         let strength = inputs.emission.max(L::zero());
-        Rgb(inputs.emission_color.map(|c| (c.max(L::zero()) * strength).min(L::of(RADIANCE_MAX))))
+        Rgb(inputs.emission_color.map(|c| (c.max(L::zero()) * strength).min(L::of(EMISSION_MAX))))
     } else {
         Rgb::black()
     };

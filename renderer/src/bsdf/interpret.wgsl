@@ -6,7 +6,7 @@ const ABSORPTION_COLOR_MIN: f32 = 1e-3;
 // Smallest length in scene units. Model reference 10.2.
 const LENGTH_MIN: f32 = 1e-6;
 // Largest emitted radiance: sums along a path and over a picture stay within single precision.
-const RADIANCE_MAX: f32 = 1e30;
+const EMISSION_MAX: f32 = 1e30;
 
 struct Optics {
     base_color: vec3f,
@@ -99,7 +99,7 @@ fn interpret(inputs: Inputs, length_scale: f32) -> Optics {
     var emission = vec3f(0.0);
     if HAS_EMISSION {
         let strength = max(inputs.emission, 0.0);
-        emission = min(max(inputs.emission_color, vec3f(0.0)) * strength, vec3f(RADIANCE_MAX));
+        emission = min(max(inputs.emission_color, vec3f(0.0)) * strength, vec3f(EMISSION_MAX));
     }
 
     var optics: Optics;

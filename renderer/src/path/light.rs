@@ -8,7 +8,7 @@
 
 #![allow(clippy::needless_range_loop, reason = "one number runs over several arrays of lanes or axes")]
 
-use crate::bsdf::interpret::RADIANCE_MAX;
+use crate::bsdf::interpret::EMISSION_MAX;
 use crate::lanes::Lanes;
 use crate::scene::EnvironmentLight;
 use crate::vector::{Rgb, V3};
@@ -285,7 +285,7 @@ impl Light {
         let scale = L::of(f64::from(self.scale));
         Rgb(std::array::from_fn(|k| {
             let tap = |t: usize| L::from_fn(|lane| taps[t][k][lane]);
-            (tap(0).lerp(tap(1), fx).lerp(tap(2).lerp(tap(3), fx), fy) * scale).min(L::of(RADIANCE_MAX))
+            (tap(0).lerp(tap(1), fx).lerp(tap(2).lerp(tap(3), fx), fy) * scale).min(L::of(EMISSION_MAX))
         }))
     }
 }
