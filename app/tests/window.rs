@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Longest wait for anything that the window shows: a software adapter on a busy machine is slow.
-const PATIENCE: Duration = Duration::from_secs(150);
+const PATIENCE: Duration = Duration::from_secs(90);
 /// The window's size at start; without a window manager it stands at the display's corner.
 const SIZE: (u32, u32) = (1280, 800);
 /// Middle of the roughness slider's handle at 0.3, and where it is dragged to.
@@ -41,10 +41,18 @@ struct Window {
 
 impl Window {
     fn open(file: &Path) -> Self {
-        let child = Command::new(env!("CARGO_BIN_EXE_burnish")).arg(file).spawn().expect("the program starts");
+        let said = file.with_extension("said");
+        let child = Command::new(env!("CARGO_BIN_EXE_burnish"))
+            .arg(file)
+            .current_dir(file.parent().expect("the file is in a folder"))
+            .stderr(std::fs::File::create(&said).expect("the folder can be written"))
+            .spawn()
+            .expect("the program starts");
         let mut window = Self { child, id: String::new() };
         let pid = window.child.id().to_string();
         window.id = wait("a window", || {
+            let said = std::fs::read_to_string(&said).unwrap_or_default();
+            assert!(!said.contains("instead"), "the window did not open: {said}");
             let found = run("xdotool", &["search", "--onlyvisible", "--pid", &pid])?;
             found.lines().next().map(str::to_owned)
         });
@@ -55,8 +63,16 @@ impl Window {
     }
 
     fn key(&self, keys: &str) {
-        run("xdotool", &["windowfocus", &self.id]);
         run("xdotool", &["key", "--delay", "60", keys]).expect("keys can be sent");
+        std::thread::sleep(Duration::from_millis(500));
+    }
+
+    /// Saves again and again until the file's text is as wanted: a key may fall into a slow frame.
+    fn save_until(&self, what: &str, file: &Path, is_wanted: impl Fn(&str) -> bool) -> String {
+        wait(what, || {
+            self.key("ctrl+s");
+            std::fs::read_to_string(file).ok().filter(|text| is_wanted(text))
+        })
     }
 
     /// Drags in small steps, as a hand does.
@@ -146,15 +162,13 @@ fn a_slider_moves_both_views_and_the_file_follows() {
         });
     }
 
-    window.key("ctrl+s");
-    let saved = wait("the file to change", || std::fs::read_to_string(&file).ok().filter(|text| text != MATERIAL));
+    let saved = window.save_until("the file to change", &file, |text| text != MATERIAL);
     let (head, tail) = MATERIAL.split_once("3e-1").unwrap();
     let value = saved.strip_prefix(head).and_then(|rest| rest.strip_suffix(tail)).expect("nothing but the number changes");
     assert!(value.parse::<f64>().unwrap() > 0.5, "roughness was dragged to {value}");
 
     window.key("ctrl+z");
-    window.key("ctrl+s");
-    wait("the file to be as it was", || std::fs::read_to_string(&file).ok().filter(|text| text == MATERIAL));
+    window.save_until("the file to be as it was", &file, |text| text == MATERIAL);
     drop(window);
 
     std::fs::write(&file, &saved).unwrap();
