@@ -11,8 +11,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Pixels of the first coarse picture at most: about 10 ms on one thread.
-const COARSE_PIXELS: usize = 16_384;
+/// Pixels of the first coarse picture at most: well under 100 ms on one thread, also of a busy machine.
+const COARSE_PIXELS: usize = 4_096;
 
 /// A picture on its way to being finished.
 #[derive(Clone, Debug)]
