@@ -2,5 +2,6 @@
 
 pub mod gpu;
 pub mod materials;
+pub mod number;
 pub mod quadrature;
 pub mod scenes;

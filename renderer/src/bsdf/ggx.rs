@@ -49,13 +49,19 @@ pub fn vndf_bound<L: Lanes>(wo: V3<L>, alpha_x: L, alpha_y: L) -> L {
 /// Returns a unit normal with `z >= 0`, finite at grazing `wo`. Source: Dupuy and Benyoub 2023.
 #[inline(always)]
 pub fn vndf_sample<L: Lanes>(wo: V3<L>, alpha_x: L, alpha_y: L, k: L, u0: L, u1: L) -> V3<L> {
+    let (sin, cos) = (L::of(2.0 * PI) * u1).sin_cos();
+    vndf_sample_at(wo, alpha_x, alpha_y, k, u0, sin, cos)
+}
+
+/// [`vndf_sample`] with the azimuth given by its sine and cosine.
+#[inline(always)]
+pub fn vndf_sample_at<L: Lanes>(wo: V3<L>, alpha_x: L, alpha_y: L, k: L, u0: L, sin: L, cos: L) -> V3<L> {
     let os = V3::new(alpha_x * wo.x, alpha_y * wo.y, wo.z).normalize();
     let b = k * os.z.min(L::one());
     let one_plus_z = (L::one() - u0) * (L::one() + b) + (L::one() - b);
     let one_minus_z = u0 * (L::one() + b);
     let z = (L::one() - u0) * (L::one() + b) - b;
     let st = (one_plus_z * one_minus_z).max(L::zero()).sqrt();
-    let (sin, cos) = (L::of(2.0 * PI) * u1).sin_cos();
     let h = V3::new(st * cos + os.x, st * sin + os.y, z + os.z);
     V3::new(alpha_x * h.x, alpha_y * h.y, h.z.max(L::zero())).normalize()
 }

@@ -1,5 +1,6 @@
 //! What the properties mean: inputs at one point to the numbers that the lobes use. Twin of `interpret.wgsl`.
 
+use super::dispersion::{dispersed_ior, spectrum};
 use super::fresnel::{f0_from_ior, f82_coefficient, ior_from_f0, level_to_ior};
 use super::ggx::alphas;
 use super::sheen::SHEEN_ROUGHNESS_MIN;
@@ -12,6 +13,11 @@ use std::f64::consts::PI;
 const ABSORPTION_COLOR_MIN: f64 = 1e-3;
 /// Smallest length in scene units. Model reference 10.2.
 const LENGTH_MIN: f64 = 1e-6;
+
+/// Smallest channel of the distance scale, and smallest ratio of albedos between channels. Model reference 10.2.
+const SCATTER_RATIO_MIN: f64 = 1e-3;
+/// Largest dispersion: an Abbe number of 1.
+const DISPERSION_MAX: f64 = 20.0;
 
 /// Largest emitted radiance: sums along a path and over a picture stay within single precision.
 pub const EMISSION_MAX: f64 = 1e30;
@@ -31,8 +37,12 @@ pub struct Optics<L: Lanes> {
     pub w_diffuse: L,
     /// Share of the refracting dielectric.
     pub w_transmission: L,
-    /// Roughness as authored, `[0, 1]`: the axis of the albedo tables.
+    /// Roughness as authored, `[0, 1]`: an axis of the albedo tables, like the next two.
     pub roughness: L,
+    /// Anisotropy as authored, `[0, 1]`.
+    pub anisotropy: L,
+    /// Specular level as authored, `[0, 1]`.
+    pub level: L,
     /// GGX alpha along the stretch.
     pub alpha_x: L,
     /// GGX alpha across the stretch.
@@ -47,6 +57,8 @@ pub struct Optics<L: Lanes> {
     pub eta: L,
     /// Index of refraction for the Fresnel reflectance from outside; level and coat included.
     pub eta_specular: L,
+    /// Strength of dispersion, `[0, 20]`.
+    pub dispersion: L,
     /// Refraction passes straight through.
     pub is_matched: L::Mask,
     /// Amount of sheen, `[0, 1]`.
@@ -61,6 +73,8 @@ pub struct Optics<L: Lanes> {
     pub coat_ln_tint: Rgb<L>,
     /// Roughness of the coat as authored.
     pub coat_roughness: L,
+    /// Specular level of the coat as authored.
+    pub coat_level: L,
     /// GGX alpha of the coat.
     pub coat_alpha: L,
     /// The coat is a perfect mirror.
@@ -69,8 +83,10 @@ pub struct Optics<L: Lanes> {
     pub coat_eta: L,
     /// Factor on light at each refractive crossing (modulative absorption), else 1.
     pub transmission_tint: Rgb<L>,
-    /// Absorption in the body, 1/scene unit.
+    /// Absorption in the body, 1/scene unit: that of the absorption colour and that of the scattering medium.
     pub sigma_a: Rgb<L>,
+    /// Scattering in the body, 1/scene unit.
+    pub sigma_s: Rgb<L>,
     /// Emitted radiance of the front side.
     pub emission: Rgb<L>,
     /// Cut-through opacity.
@@ -122,8 +138,11 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
 
     let coat_tint = Rgb(inputs.coat_color.map(|c| one.lerp(c.sat(), coat)));
     let coat_roughness = inputs.coat_roughness.sat();
+    let coat_level = inputs.coat_specular_level.sat();
     let (coat_alpha, _, coat_is_smooth) = alphas(coat_roughness, L::zero());
 
+    let (sigma_s, sigma_s_a) =
+        if lobes.has(Lobe::scattering) { scattering(inputs, length_scale) } else { (Rgb::black(), Rgb::black()) };
     let (transmission_tint, sigma_a) = if lobes.has(Lobe::absorption) {
         let color = sat(inputs.absorption_color);
         let distance = inputs.absorption_distance.max(L::zero()) * length_scale;
@@ -152,6 +171,8 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
         w_diffuse,
         w_transmission,
         roughness,
+        anisotropy,
+        level,
         alpha_x,
         alpha_y,
         rotation_cos,
@@ -159,6 +180,11 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
         is_smooth,
         eta,
         eta_specular,
+        dispersion: if lobes.has(Lobe::dispersion) {
+            inputs.dispersion.max(L::zero()).min(L::of(DISPERSION_MAX))
+        } else {
+            L::zero()
+        },
         is_matched,
         sheen: if lobes.has(Lobe::sheen) { inputs.sheen.sat() } else { L::zero() },
         sheen_color: sat(inputs.sheen_color),
@@ -166,12 +192,64 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
         coat,
         coat_ln_tint: coat_tint.map(|t| t.max(L::of(1e-6)).ln()),
         coat_roughness,
+        coat_level,
         coat_alpha,
         coat_is_smooth,
-        coat_eta: level_to_ior(coat_ior, inputs.coat_specular_level.sat()),
+        coat_eta: level_to_ior(coat_ior, coat_level),
         transmission_tint,
-        sigma_a,
+        sigma_a: sigma_a + sigma_s_a,
+        sigma_s,
         emission,
         opacity: if lobes.has(Lobe::opacity) { inputs.opacity.sat() } else { one },
+    }
+}
+
+/// Scattering and absorption coefficients of the scattering medium, 1/scene unit. Model reference 10.2.
+///
+/// The single-scattering albedo inverts van de Hulst's formula for the colour of a thick body (Kulla and Conty 2017); its complement
+/// is kept as a square of its own, because `1 - a` loses all digits near white.
+#[inline(always)]
+fn scattering<L: Lanes>(inputs: &Inputs<L>, length_scale: L) -> (Rgb<L>, Rgb<L>) {
+    let one = L::one();
+    let s = Rgb(inputs.scatter_color.map(|c| {
+        let dark = one - c.sat();
+        let b = L::of(1.139) + L::of(1.17) * c.sat();
+        L::of(2.0) * dark / (b + (b * b - L::of(0.556) * dark).sqrt())
+    }));
+    let albedo = s.map(|s| (one - s) * (one + s));
+    let largest = albedo.max_channel();
+    let has_albedo = largest.gt(L::zero());
+    let distance = (inputs.scatter_distance.max(L::zero()) * length_scale).max(L::of(LENGTH_MIN));
+    let scale = Rgb(inputs.scatter_distance_scale);
+    let extinction = albedo.zip(scale, |a, scale| {
+        let ratio = largest / a.max(largest * L::of(SCATTER_RATIO_MIN)).max(L::of(1e-30));
+        L::select(has_albedo, ratio, one) / (distance * scale.max(L::of(SCATTER_RATIO_MIN)))
+    });
+    // Rayleigh scattering grows with the fourth power of frequency: factors at 640, 540 and 460 nm.
+    let rayleigh = inputs.scatter_rayleigh.max(L::of(-1.0)).min(L::of(2.0));
+    let factor = |g: f64| one + rayleigh * L::of(g - 1.0);
+    // Red shift 1 lets red travel ten times further.
+    let shift = (inputs.scatter_red_shift * L::of(-std::f64::consts::LN_10)).max(L::of(-60.0)).min(L::of(60.0)).exp();
+    let factors = Rgb([factor((540.0f64 / 640.0).powi(4)) * shift, one, factor((540.0f64 / 460.0).powi(4))]);
+    let extinction = (extinction * factors).map(|x| x.min(L::of(1.0 / LENGTH_MIN / LENGTH_MIN)));
+    (extinction * albedo, extinction.zip(s, |x, s| x * s * s))
+}
+
+impl<L: Lanes> Optics<L> {
+    /// The same for light of one wavelength, nanometres.
+    #[inline(always)]
+    #[must_use]
+    pub fn at_wavelength(&self, wavelength: L) -> Self {
+        let x = L::one() / (wavelength * wavelength);
+        let mut optics = *self;
+        optics.eta = dispersed_ior(self.eta, self.dispersion, x);
+        optics.eta_specular = dispersed_ior(self.eta_specular, self.dispersion, x);
+        optics
+    }
+
+    /// Index of refraction for the reflectance from outside, or of its bending, as red, green and blue see it.
+    #[inline(always)]
+    pub fn per_channel(&self, eta: L) -> Rgb<L> {
+        Rgb(spectrum().inverse_square.map(|x| dispersed_ior(eta, self.dispersion, L::of(x))))
     }
 }

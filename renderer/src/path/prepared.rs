@@ -5,7 +5,7 @@ use super::evaluated_lobes;
 use super::geometry::Geometry;
 use super::light::{Light, LightTables};
 use super::texture::Texture;
-use crate::bsdf::interpret;
+use crate::bsdf::{Albedos, interpret};
 use crate::scene::{Camera, Object, Scene, TextureSet};
 use burnish_material::{Inputs, Lobe, LobeSet, Material};
 use std::sync::{Arc, Mutex};
@@ -40,19 +40,29 @@ pub(super) struct Surface {
     pub textures: Vec<Texture>,
     /// Normalised units per unit of the material's lengths.
     pub length_scale: f64,
+    /// Tables of its albedos.
+    pub albedos: Arc<Albedos>,
 }
 
 impl Surface {
-    fn new(object: &Object, scale: f64) -> Self {
-        let length_scale = if object.length_scale.is_finite() && object.length_scale > 0.0 { object.length_scale } else { 1.0 };
+    fn new<'a>(object: &Object, length_scale: f64, albedos: impl IntoIterator<Item = &'a Arc<Albedos>>) -> Self {
+        let (lobes, inputs, textures) = (evaluated_lobes(&object.material), object.material.inputs(), Texture::all_of(object));
+        let varies = |property| textures.iter().any(|t| t.property == property);
         Self {
-            lobes: evaluated_lobes(&object.material),
-            inputs: object.material.inputs(),
-            textures: Texture::all_of(object),
-            length_scale: length_scale * scale,
+            albedos: Albedos::new(&inputs, lobes, varies, albedos),
+            lobes,
+            inputs,
+            textures,
+            length_scale,
             images: object.textures.clone(),
             material: object.material.clone(),
         }
+    }
+
+    /// Normalised units per unit of the material's lengths.
+    fn length_scale(object: &Object, scale: f64) -> f64 {
+        let length_scale = if object.length_scale.is_finite() && object.length_scale > 0.0 { object.length_scale } else { 1.0 };
+        length_scale * scale
     }
 
     fn is_of(&self, object: &Object) -> bool {
@@ -84,11 +94,13 @@ impl Prepared {
         let mut surfaces: Vec<Surface> = Vec::new();
         let mut surface_of_object = Vec::with_capacity(scene.objects.len());
         for object in &scene.objects {
-            let made = Surface::new(object, geometry.scale);
-            let same = surfaces.iter().position(|s| s.is_of(object) && s.length_scale == made.length_scale);
+            let length_scale = Surface::length_scale(object, geometry.scale);
+            let same = surfaces.iter().position(|s| s.is_of(object) && s.length_scale == length_scale);
             surface_of_object.push(same.unwrap_or(surfaces.len()) as u32);
             if same.is_none() {
-                surfaces.push(made);
+                // What another material of this or the last scene has made may fit.
+                let known = previous.map_or(&[][..], |p| &p.surfaces).iter().chain(&surfaces);
+                surfaces.push(Surface::new(object, length_scale, known.map(|s| &s.albedos)));
             }
         }
         let has_interior = |s: &Surface| s.lobes.has(Lobe::absorption);

@@ -11,7 +11,7 @@ use super::frame::{Frame, Point, facing, point, scale_normal};
 use super::geometry::offset;
 use super::prepared::{Prepared, Surface};
 use super::sampler::{Group, MAX_LANES, draw, per_lane};
-use crate::bsdf::{Bsdf, Optics, interpret};
+use crate::bsdf::{Bsdf, Optics, View, interpret};
 use crate::bvh::{Hit, Ray};
 use crate::lanes::{Kernel, Lanes, Mask};
 use crate::vector::{Rgb, V3};
@@ -119,7 +119,7 @@ impl Shade<'_> {
             is_alive: is_passed,
         };
         if is_scattered.any() {
-            let bsdf = Bsdf::prepare(optics, lobes, frame.local(wo), throughput);
+            let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &View { throughput, ..View::new(frame.local(wo)) });
             let choice: [L; 4] = draw(Group::Light, self.vertex, &seeds, &indices);
             if prepared.light.is_sampled() {
                 self.connect(&bsdf, &frame, &at, throughput, sigma, choice, is_scattered, &id);
