@@ -28,7 +28,7 @@ mod trace;
 pub use aov::{Aovs, aovs};
 pub use film::{ErrorEstimate, Film, REPLICATES};
 pub use prepared::Prepared;
-pub use render::{Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, render};
+pub use render::{Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, render, render_prepared};
 pub use schedule::render_pass;
 
 use crate::scene::Scene;
@@ -76,9 +76,9 @@ const LEFT_OUT: [(Lobe, &str); 4] = [
     (Lobe::coat_normal_map, "the coat's normal map is left out; the coat follows the surface"),
 ];
 
-/// The lobes of a material that this renderer evaluates.
-pub fn evaluated_lobes(material: &Material) -> LobeSet {
-    LEFT_OUT.iter().fold(LobeSet::of(material), |set, (lobe, _)| set.without(*lobe))
+/// The lobes of a material that this renderer evaluates, `more` added.
+pub fn evaluated_lobes(material: &Material, more: LobeSet) -> LobeSet {
+    LEFT_OUT.iter().fold(LobeSet::of(material).union(more), |set, (lobe, _)| set.without(*lobe))
 }
 
 /// Sentences that name what the materials of a scene ask for and this renderer leaves out.

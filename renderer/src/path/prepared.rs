@@ -45,8 +45,9 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    fn new<'a>(object: &Object, length_scale: f64, albedos: impl IntoIterator<Item = &'a Arc<Albedos>>) -> Self {
-        let (lobes, inputs, textures) = (evaluated_lobes(&object.material), object.material.inputs(), Texture::all_of(object));
+    fn new<'a>(object: &Object, lobes: LobeSet, length_scale: f64, albedos: impl IntoIterator<Item = &'a Arc<Albedos>>) -> Self {
+        let (lobes, inputs, textures) =
+            (evaluated_lobes(&object.material, lobes), object.material.inputs(), Texture::all_of(object));
         let varies = |property| textures.iter().any(|t| t.property == property);
         Self {
             albedos: Albedos::new(&inputs, lobes, varies, albedos),
@@ -83,6 +84,12 @@ impl Surface {
 impl Prepared {
     /// Prepares a scene. What is the same as in `previous` (by identity of the shared parts) is taken from there.
     pub fn new(scene: &Scene, previous: Option<&Self>) -> Self {
+        Self::with_lobes(scene, previous, LobeSet::EMPTY)
+    }
+
+    /// The same with these lobes evaluated also where a material does not need them: the picture is the same, and shows what leaving them out
+    /// saves. [`LobeSet::all`] leaves nothing out.
+    pub fn with_lobes(scene: &Scene, previous: Option<&Self>, lobes: LobeSet) -> Self {
         let geometry = match previous {
             Some(p) if p.geometry.is_of(scene) => p.geometry.clone(),
             _ => Arc::new(Geometry::new(scene)),
@@ -100,7 +107,7 @@ impl Prepared {
             if same.is_none() {
                 // What another material of this or the last scene has made may fit.
                 let known = previous.map_or(&[][..], |p| &p.surfaces).iter().chain(&surfaces);
-                surfaces.push(Surface::new(object, length_scale, known.map(|s| &s.albedos)));
+                surfaces.push(Surface::new(object, lobes, length_scale, known.map(|s| &s.albedos)));
             }
         }
         let has_interior = |s: &Surface| s.lobes.has(Lobe::absorption);

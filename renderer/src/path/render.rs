@@ -197,6 +197,16 @@ impl Plan {
 pub fn render(scene: &Scene, settings: &Settings, progress: &mut dyn FnMut(&Progress<'_>) -> bool) -> Rendering {
     let start = Instant::now();
     let prepared = Prepared::new(scene, None);
+    render_prepared(&prepared, settings, start, progress)
+}
+
+/// [`render`] for a scene that is prepared, loading begun at `start`.
+pub fn render_prepared(
+    prepared: &Prepared,
+    settings: &Settings,
+    start: Instant,
+    progress: &mut dyn FnMut(&Progress<'_>) -> bool,
+) -> Rendering {
     let load_seconds = start.elapsed().as_secs_f64();
     let mut film = Film::new(settings.width, settings.height);
     let mut plan = Plan::new(settings.stop);
@@ -210,7 +220,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &mut dyn FnMut(&Prog
             Err(reason) => break reason,
         };
         let begin = Instant::now();
-        let Some(stats) = render_pass(&prepared, &mut film, step, settings.seed, settings.threads, &|| false) else {
+        let Some(stats) = render_pass(prepared, &mut film, step, settings.seed, settings.threads, &|| false) else {
             break StopReason::Cancelled;
         };
         seconds += begin.elapsed().as_secs_f64();
