@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// own table its roughness and the root of its level.
 pub const AXES: usize = 5;
 /// Entries along `sqrt(mu)` for a material without a varying number, and otherwise: the detail lies at grazing angles.
-const COSINES: [usize; 2] = [64, 40];
+const COSINES: [usize; 2] = [96, 40];
 /// Entries along the azimuth of a stretched material, over a quarter turn.
 const AZIMUTHS: [usize; 2] = [17, 9];
 /// Entries along each varying number, by how many vary.

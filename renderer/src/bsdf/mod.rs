@@ -161,7 +161,9 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
             let outside = Rgb::select(light.is_dispersed, Rgb::grey(eta_specular), optics.per_channel(optics.eta_specular));
             let inside = Rgb::select(light.is_dispersed, Rgb::grey(eta_outside), optics.per_channel(optics.eta));
             eta_channels = Rgb::select(is_inside, inside.map(|n| one / n), outside);
-            spectral = Rgb::select(light.is_dispersed, Rgb::white(), light.weights);
+            // Without dispersion after all (an image, or a kernel that leaves nothing out) light stays white.
+            let is_white = light.is_dispersed | optics.dispersion.le(zero);
+            spectral = Rgb::select(is_white, Rgb::white(), light.weights);
         } else if lobes.has(Lobe::dispersion) {
             eta_channels = Rgb::grey(L::select(is_inside, one / optics.eta, optics.eta_specular));
         }

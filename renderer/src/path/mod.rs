@@ -69,9 +69,8 @@ impl PassStats {
 }
 
 /// Lobes that this renderer does not have, and what it draws instead.
-const LEFT_OUT: [(Lobe, &str); 4] = [
+const LEFT_OUT: [(Lobe, &str); 3] = [
     (Lobe::scattering, "scattering in the body is left out; light passes it as if it were clear"),
-    (Lobe::dispersion, "dispersion is left out; all colours refract alike"),
     (Lobe::height, "the height map is left out; the surface stays flat"),
     (Lobe::coat_normal_map, "the coat's normal map is left out; the coat follows the surface"),
 ];

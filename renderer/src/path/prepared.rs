@@ -6,6 +6,7 @@ use super::geometry::Geometry;
 use super::light::{Light, LightTables};
 use super::texture::Texture;
 use crate::bsdf::{Albedos, interpret};
+use crate::bvh::NONE;
 use crate::scene::{Camera, Object, Scene, TextureSet};
 use burnish_material::{Inputs, Lobe, LobeSet, Material};
 use std::sync::{Arc, Mutex};
@@ -19,12 +20,29 @@ pub struct Prepared {
     pub(super) surface_of_object: Vec<u32>,
     pub(super) camera: Camera,
     pub(super) max_bounces: u32,
-    /// Absorption around the camera, 1/normalised unit.
-    pub(super) camera_sigma: [f32; 3],
+    /// What is around the camera.
+    pub(super) camera_medium: CameraMedium,
+    /// Whether any body scatters.
+    pub(super) has_scattering: bool,
+    /// Whether any material disperses.
+    pub(super) has_dispersion: bool,
+    /// Half the smallest extent of each object, normalised units: how far its inside is from its surface at most.
+    pub(super) radius_of_object: Vec<f32>,
     /// Whether any surface lets rays pass straight through.
     pub(super) has_cut_through: bool,
     /// Buffers of threads that rest.
     pub(super) pool: Arc<Mutex<Vec<Batch>>>,
+}
+
+/// The body that the camera is in; zeros outside.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CameraMedium {
+    /// Absorption, 1/normalised unit.
+    pub sigma_a: [f32; 3],
+    /// Scattering, 1/normalised unit.
+    pub sigma_s: [f32; 3],
+    /// Its object, or [`NONE`].
+    pub object: u32,
 }
 
 /// A material as the shade stage needs it. Objects that share a material share it.
@@ -110,25 +128,32 @@ impl Prepared {
                 surfaces.push(Surface::new(object, lobes, length_scale, known.map(|s| &s.albedos)));
             }
         }
-        let has_interior = |s: &Surface| s.lobes.has(Lobe::absorption);
-        let camera_sigma = if surfaces.iter().any(has_interior) {
-            let around = geometry.object_around(geometry.normalized(scene.camera.origin));
-            around.map_or([0.0; 3], |object| {
-                let surface = &surfaces[surface_of_object[object as usize] as usize];
-                let inputs = surface.inputs.convert(|x| x as f32);
-                interpret(&inputs, surface.lobes, surface.length_scale as f32).sigma_a.0
-            })
-        } else {
-            [0.0; 3]
+        let lobes = surfaces.iter().fold(LobeSet::EMPTY, |set, s| set.union(s.lobes));
+        let has = |lobe| lobes.has(lobe);
+        let mut camera_medium = CameraMedium { sigma_a: [0.0; 3], sigma_s: [0.0; 3], object: NONE };
+        if (has(Lobe::absorption) || has(Lobe::scattering))
+            && let Some(object) = geometry.object_around(geometry.normalized(scene.camera.origin))
+        {
+            let surface = &surfaces[surface_of_object[object as usize] as usize];
+            let inputs = surface.inputs.convert(|x| x as f32);
+            let optics = interpret(&inputs, surface.lobes, surface.length_scale as f32);
+            camera_medium = CameraMedium { sigma_a: optics.sigma_a.0, sigma_s: optics.sigma_s.0, object };
+        }
+        let radius = |object: &Object| {
+            let extent = f64::from(object.mesh.bounds().size().min_element()) * 0.5 * geometry.scale;
+            if extent.is_finite() { extent.max(1e-6) as f32 } else { 1.0 }
         };
         Self {
             light: Light::new(&scene.environment, tables),
-            has_cut_through: surfaces.iter().any(Surface::has_cut_through),
+            has_cut_through: has(Lobe::opacity),
             surfaces,
             surface_of_object,
             camera: scene.camera,
             max_bounces: scene.max_bounces,
-            camera_sigma,
+            camera_medium,
+            has_scattering: has(Lobe::scattering),
+            has_dispersion: has(Lobe::dispersion),
+            radius_of_object: scene.objects.iter().map(radius).collect(),
             pool: previous.map_or_else(Arc::default, |p| p.pool.clone()),
             geometry,
         }
