@@ -24,6 +24,8 @@ mod shade;
 mod tests;
 mod texture;
 mod trace;
+#[allow(dead_code, unused_imports, reason = "called by the wavefront in the next step")]
+mod walk;
 
 pub use aov::{Aovs, aovs};
 pub use film::{ErrorEstimate, Film, REPLICATES};
