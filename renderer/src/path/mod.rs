@@ -1,11 +1,10 @@
 //! The progressive CPU path tracer: thousands of paths per thread at a time, one depth after the other, each stage over all of them.
 //!
-//! Stages in order: `raygen` (camera rays), `trace` (nearest hits, lists by material), `shade` (emission, light connection, scattered
+//! Stages in order: `raygen` (camera rays), `trace` (nearest hits, walks through scattering bodies, lists by material), `shade` (emission, light connection, scattered
 //! direction), `miss` (the environment), `film` (sums). `schedule` drives them over tiles and threads, `render` over passes. A stage reads
 //! its queue and writes its queue.
 //!
-//! Left out so far, and named by [`unsupported`]: random walks in the body, dispersion, displacement, a coat with its own normals. A path is in at
-//! most one body at a time: bodies within bodies keep only the innermost one's absorption.
+//! A path is in at most one body at a time: of bodies within bodies it keeps only the innermost one's interior.
 
 mod aov;
 mod batch;
@@ -18,13 +17,13 @@ mod prepared;
 mod raygen;
 pub(crate) mod render;
 mod sampler;
+mod scatter;
 mod schedule;
 mod shade;
 #[cfg(test)]
 mod tests;
 mod texture;
 mod trace;
-#[allow(dead_code, unused_imports, reason = "called by the wavefront in the next step")]
 mod walk;
 
 pub use aov::{Aovs, aovs};
@@ -45,6 +44,12 @@ pub struct PassStats {
     pub nonfinite: u64,
     /// Contributions dropped because they were negative.
     pub negative: u64,
+    /// Random walks through scattering bodies.
+    pub walks: u64,
+    /// Collisions in them.
+    pub collisions: u64,
+    /// Walks that the last guard against endless ones cut short: a loss of light, 0 unless something is wrong.
+    pub cut_walks: u64,
 }
 
 impl PassStats {
@@ -53,6 +58,9 @@ impl PassStats {
         self.samples += other.samples;
         self.nonfinite += other.nonfinite;
         self.negative += other.negative;
+        self.walks += other.walks;
+        self.collisions += other.collisions;
+        self.cut_walks += other.cut_walks;
     }
 
     /// Whether light may be added; counts it where it arises if not.
@@ -71,8 +79,7 @@ impl PassStats {
 }
 
 /// Lobes that this renderer does not have, and what it draws instead.
-const LEFT_OUT: [(Lobe, &str); 3] = [
-    (Lobe::scattering, "scattering in the body is left out; light passes it as if it were clear"),
+const LEFT_OUT: [(Lobe, &str); 2] = [
     (Lobe::height, "the height map is left out; the surface stays flat"),
     (Lobe::coat_normal_map, "the coat's normal map is left out; the coat follows the surface"),
 ];

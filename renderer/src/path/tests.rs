@@ -232,7 +232,7 @@ fn one_lane_shades_as_many_do() {
         let mut stats = PassStats::default();
         batch.begin(tile.paths(), prepared.surfaces.len());
         Raygen { prepared: &prepared, view: &view, tile, seed: 3, paths: &mut batch.paths }.run::<f32>();
-        trace(&prepared, &mut batch);
+        trace(&prepared, &mut batch, 0, &mut PassStats::default());
         let Batch { paths, next, lists, shadows, .. } = &mut batch;
         for (surface, list) in prepared.surfaces.iter().zip(lists.iter()) {
             let shade = Shade {

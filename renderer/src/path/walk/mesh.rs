@@ -16,8 +16,7 @@ impl Boundary for Geometry {
         let mut ray = Ray { t_max: t_max + back, ..Ray::new(origin, direction) };
         for _ in 0..ACROSS_MAX {
             let hit = self.bvh.closest(&ray);
-            let is_behind =
-                !hit.is_miss() && hit.t <= 2.0 * back && self.normal(hit.triangle, point).dot(direction) < 0.0;
+            let is_behind = !hit.is_miss() && hit.t <= 2.0 * back && self.normal(hit.triangle, point).dot(direction) < 0.0;
             if !is_behind {
                 return Hit { t: (hit.t - back).max(0.0), ..hit };
             }

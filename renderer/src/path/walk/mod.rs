@@ -226,9 +226,11 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
         if let Some(doublings) = sphere {
             stats.jumps += 1;
             let radius = jump::RADIUS_MIN * f64::from(doublings).exp2() / mixture.slowest();
-            let normal = guide::uniform(numbers.at(number, Dimension::SphereHeight), numbers.at(number, Dimension::SphereAzimuth));
+            let normal =
+                guide::uniform(numbers.at(number, Dimension::SphereHeight), numbers.at(number, Dimension::SphereAzimuth));
             position += normal * radius;
-            let cosine = mixture.jump(radius, numbers.at(number, Dimension::JumpChannel), numbers.at(number, Dimension::JumpCosine));
+            let cosine =
+                mixture.jump(radius, numbers.at(number, Dimension::JumpChannel), numbers.at(number, Dimension::JumpCosine));
             if !mixture.survives(start, false, numbers.at(number, Dimension::JumpRoulette)) {
                 return End::Absorbed;
             }

@@ -27,7 +27,15 @@ fn known(absorbed: f64) -> [f64; 4] {
 }
 
 /// What comes back out of the upper plane, matched.
-fn reflected<B: Boundary>(boundary: &B, body: &Body, method: Method, is_diffuse: bool, light: [f32; 3], i: u32, stats: &mut WalkStats) -> [[f64; 3]; 2] {
+fn reflected<B: Boundary>(
+    boundary: &B,
+    body: &Body,
+    method: Method,
+    is_diffuse: bool,
+    light: [f32; 3],
+    i: u32,
+    stats: &mut WalkStats,
+) -> [[f64; 3]; 2] {
     let direction = inwards(DVec3::Z, is_diffuse, 1, i);
     match walk(boundary, body, &entry(boundary, DVec3::ZERO, direction, light, 1, i), method, stats) {
         End::Surface { hit, throughput, .. } if hit.triangle == 0 => [throughput.map(f64::from), [0.0; 3]],
@@ -59,7 +67,10 @@ fn check_half_space(cases: &[Case], precision: f64, tolerance: f64) {
                         sums.variance(k) / sums.mean(k).powi(2) * stats.collisions as f64 / sums.count,
                         stats.max_weight
                     );
-                    assert!(error.abs() < tolerance, "{method:?} {extinction:?} {absorbed:?} [{k}] diffuse {is_diffuse}: {error}");
+                    assert!(
+                        error.abs() < tolerance,
+                        "{method:?} {extinction:?} {absorbed:?} [{k}] diffuse {is_diffuse}: {error}"
+                    );
                 }
                 assert_eq!((stats.cut, stats.lost, stats.outside), (0, 0, 0));
             }
@@ -104,7 +115,8 @@ fn a_smooth_boundary_sends_light_back_inside() {
                 for vertex in 0..10_000 {
                     let mut start = entry(&HALF_SPACE, position, direction, throughput, 2, i);
                     start.vertex = vertex;
-                    let End::Surface { hit, position: from, direction: d, throughput: left } = walk(&HALF_SPACE, &body, &start, method, &mut stats)
+                    let End::Surface { hit, position: from, direction: d, throughput: left } =
+                        walk(&HALF_SPACE, &body, &start, method, &mut stats)
                     else {
                         return [surface; 3];
                     };
@@ -120,7 +132,11 @@ fn a_smooth_boundary_sends_light_back_inside() {
             });
             for k in 0..3 {
                 let error = sums.mean(k) / known(absorbed[k])[2 + n] - 1.0;
-                eprintln!("fresnel {method:?} {} diffuse {is_diffuse}: {error:+.5} sigma {:.5}", absorbed[k], sums.sigma(k) / sums.mean(k));
+                eprintln!(
+                    "fresnel {method:?} {} diffuse {is_diffuse}: {error:+.5} sigma {:.5}",
+                    absorbed[k],
+                    sums.sigma(k) / sums.mean(k)
+                );
                 assert!(error.abs() < 0.005, "{method:?} {absorbed:?} [{k}] diffuse {is_diffuse}: {error}");
             }
         }
@@ -150,10 +166,18 @@ fn slabs_reflect_and_transmit_what_theory_says() {
                 });
                 for k in 0..2 {
                     let error = sums.mean(k) / known[2 * n + k] - 1.0;
-                    eprintln!("slab {method:?} {absorbed} {depth} diffuse {is_diffuse} {k}: {error:+.5} weight {:.2} collisions {:.1} jumps {:.3}", stats.max_weight, stats.collisions as f64/sums.count, stats.jumps as f64/sums.count);
+                    eprintln!(
+                        "slab {method:?} {absorbed} {depth} diffuse {is_diffuse} {k}: {error:+.5} weight {:.2} collisions {:.1} jumps {:.3}",
+                        stats.max_weight,
+                        stats.collisions as f64 / sums.count,
+                        stats.jumps as f64 / sums.count
+                    );
                     // What little comes through thick slabs is known less well.
                     let sigma = sums.sigma(k) / known[2 * n + k];
-                    assert!(sigma < 0.02 && error.abs() < (3.5 * sigma).max(0.005), "{method:?} {absorbed} {depth} diffuse {is_diffuse} {k}: {error}");
+                    assert!(
+                        sigma < 0.02 && error.abs() < (3.5 * sigma).max(0.005),
+                        "{method:?} {absorbed} {depth} diffuse {is_diffuse} {k}: {error}"
+                    );
                 }
             }
         }

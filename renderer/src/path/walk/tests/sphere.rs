@@ -54,7 +54,14 @@ fn the_densest_bodies_cost_a_bounded_number_of_flights() {
         let mut stats = WalkStats::default();
         let sums = measure(0.0, 40_000, [true; 3], |i| through(&body, Method::Jumping, i, &mut stats));
         let flights = stats.collisions as f64 / sums.count + 1.0;
-        eprintln!("dense {extinction} {absorbed}: flights {flights:.2} longest {} out {:.7} rays {:.1} queries {:.1} weight {:.2}", stats.longest, sums.mean(0), stats.rays as f64/sums.count, stats.queries as f64/sums.count, stats.max_weight);
+        eprintln!(
+            "dense {extinction} {absorbed}: flights {flights:.2} longest {} out {:.7} rays {:.1} queries {:.1} weight {:.2}",
+            stats.longest,
+            sums.mean(0),
+            stats.rays as f64 / sums.count,
+            stats.queries as f64 / sums.count,
+            stats.max_weight
+        );
         assert!(flights < 60.0, "{extinction} {absorbed}: {flights}");
         if absorbed == 0.0 {
             assert!((sums.mean(0) - 1.0).abs() < 1e-9, "{extinction}: {} comes out", sums.mean(0));
@@ -101,7 +108,11 @@ fn weights_stay_small_where_steering_is_allowed() {
         for method in [Method::Guided, Method::Jumping] {
             let mut stats = WalkStats::default();
             measure(0.0, 200_000, [true; 3], |i| through(&body, method, i, &mut stats));
-            eprintln!("weight {extinction:?} {absorbed:?} {method:?}: {} shares {:?}", stats.max_weight, body.channels.map(|c| c.steered));
+            eprintln!(
+                "weight {extinction:?} {absorbed:?} {method:?}: {} shares {:?}",
+                stats.max_weight,
+                body.channels.map(|c| c.steered)
+            );
             assert!(stats.max_weight < 20.0, "{extinction:?} {absorbed:?} {method:?}: {}", stats.max_weight);
         }
     }
