@@ -112,7 +112,12 @@ fn main() -> std::io::Result<()> {
                 let x = u.sqrt() * (ENTRIES - 1) as f64;
                 quantiles[x as usize] + (quantiles[x as usize + 1] - quantiles[x as usize]) * x.fract()
             };
-            eprintln!("{a} {radius}: mean {mean:.4}, 10 % {:.4}, 50 % {:.4}, 90 % {:.4}, leaves {share:.5}", at(0.1), at(0.5), at(0.9));
+            eprintln!(
+                "{a} {radius}: mean {mean:.4}, 10 % {:.4}, 50 % {:.4}, 90 % {:.4}, leaves {share:.5}",
+                at(0.1),
+                at(0.5),
+                at(0.9)
+            );
             for mu in quantiles {
                 file.write_all(&((mu.clamp(0.0, 1.0) * 65535.0).round() as u16).to_le_bytes())?;
             }

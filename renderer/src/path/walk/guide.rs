@@ -71,7 +71,9 @@ mod tests {
 
     #[test]
     fn diffusion_lengths_are_the_published_ones_and_solve_their_equation() {
-        for (a, nu) in [(0.5, 1.044_382), (0.8, 1.407_634), (0.9, 1.903_205), (0.95, 2.635_149), (0.99, 5.796_729), (0.999, 18.264_726)] {
+        for (a, nu) in
+            [(0.5, 1.044_382), (0.8, 1.407_634), (0.9, 1.903_205), (0.95, 2.635_149), (0.99, 5.796_729), (0.999, 18.264_726)]
+        {
             let found = diffusion_length(1.0 - a);
             assert!((found - nu).abs() < 1e-6 * nu, "{a}: {found}");
         }

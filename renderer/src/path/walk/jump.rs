@@ -27,7 +27,8 @@ type Row = [f32; ENTRIES];
 fn rows() -> &'static [Row] {
     static ROWS: OnceLock<Vec<Row>> = OnceLock::new();
     ROWS.get_or_init(|| {
-        let row = |bytes: &[u8]| std::array::from_fn(|i| f32::from(u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]])) / 65535.0);
+        let row =
+            |bytes: &[u8]| std::array::from_fn(|i| f32::from(u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]])) / 65535.0);
         DATA.chunks_exact(2 * ENTRIES).map(row).collect()
     })
 }

@@ -16,8 +16,7 @@ impl Boundary for Geometry {
         let mut ray = Ray { t_max: t_max + back, ..Ray::new(origin, direction) };
         for _ in 0..ACROSS_MAX {
             let hit = self.bvh.closest(&ray);
-            let is_behind =
-                !hit.is_miss() && hit.t <= 2.0 * back && self.normal(hit.triangle, point).dot(direction) < 0.0;
+            let is_behind = !hit.is_miss() && hit.t <= 2.0 * back && self.normal(hit.triangle, point).dot(direction) < 0.0;
             if !is_behind {
                 return Hit { t: (hit.t - back).max(0.0), ..hit };
             }
@@ -28,8 +27,8 @@ impl Boundary for Geometry {
         Hit::MISS
     }
 
-    fn nearest(&self, point: DVec3, r_max: f64) -> Option<Nearest> {
-        self.bvh.nearest(point, r_max)
+    fn nearest(&self, point: DVec3, r_max: f64, tolerance: f64) -> Option<Nearest> {
+        self.bvh.nearest(point, r_max, tolerance)
     }
 
     fn normal(&self, triangle: u32, _: DVec3) -> Vec3 {
