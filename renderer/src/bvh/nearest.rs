@@ -20,8 +20,11 @@ pub struct Nearest {
 impl Bvh {
     /// The nearest point of all triangles, none if there is none within `r_max` (a length, may be infinite). Double precision where
     /// it decides, so that the distance can serve as a bound. Of equally near points any may be returned, but always the same.
-    pub fn nearest(&self, p: DVec3, r_max: f64) -> Option<Nearest> {
-        dispatch(Query { bvh: self, p, r_max })
+    ///
+    /// With a `tolerance`, a point that is at most `1 + tolerance` times as far as the nearest. A little saves much: from the middle of
+    /// a round body all triangles are nearly as far as the nearest, and finding out which one it is means looking at all.
+    pub fn nearest(&self, p: DVec3, r_max: f64, tolerance: f64) -> Option<Nearest> {
+        dispatch(Query { bvh: self, p, r_max, narrow: (1.0 + tolerance.max(0.0)).powi(-2) })
     }
 }
 
@@ -29,27 +32,32 @@ struct Query<'a> {
     bvh: &'a Bvh,
     p: DVec3,
     r_max: f64,
+    /// Only squared distances below this times the best so far are worth a look.
+    narrow: f64,
 }
 
 impl Kernel for Query<'_> {
     type Output = Option<Nearest>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<Nearest> {
-        let Self { bvh, p, r_max } = self;
+        let Self { bvh, p, r_max, narrow } = self;
         if bvh.nodes.is_empty() || !p.is_finite() || r_max.is_nan() || r_max < 0.0 {
             return None;
         }
         let boxes = Boxes::new(p);
         let mut found = None;
+        // Squared: what a triangle has to beat, and what a box has to.
         let mut best = r_max * r_max;
+        let mut limit = best;
         let mut stack: Vec<(f32, u32)> = Vec::with_capacity(64);
         stack.push((0.0, 0));
         while let Some((d2, child)) = stack.pop() {
-            if f64::from(d2) > best {
+            if f64::from(d2) > limit {
                 continue;
             }
             if child & LEAF != 0 {
                 bvh.blocks[(child & !LEAF) as usize].nearest(p, &mut best, &mut found);
+                limit = if found.is_some() { best * narrow } else { best };
                 continue;
             }
             let node = &bvh.nodes[child as usize];
@@ -57,7 +65,7 @@ impl Kernel for Query<'_> {
             let first = stack.len();
             for i in 0..8 {
                 // Empty slots are inside out: infinitely far.
-                if d2[i] < f32::INFINITY && f64::from(d2[i]) <= best {
+                if d2[i] < f32::INFINITY && f64::from(d2[i]) <= limit {
                     stack.push((d2[i], node.children[i]));
                     // Insertion keeps the new entries sorted, farthest first, so that the nearest is popped first.
                     let mut k = stack.len() - 1;
@@ -184,7 +192,7 @@ mod tests {
             let b = a + numbers.point();
             let triangle = [a, b, a.lerp(b, numbers.next()) + numbers.point() * thin];
             let p = (numbers.point() * 1.5).as_dvec3();
-            let nearest = Bvh::new(&[triangle]).nearest(p, f64::INFINITY).expect("one triangle");
+            let nearest = Bvh::new(&[triangle]).nearest(p, f64::INFINITY, 0.0).expect("one triangle");
             let [a, b, c] = triangle.map(|q| q.as_dvec3());
             let (u, v) = (f64::from(nearest.u), f64::from(nearest.v));
             assert!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 + 1e-6, "{u} {v}");
@@ -214,11 +222,15 @@ mod tests {
                     (a + (b - a) * v + (c - a) * w).length()
                 };
                 let least = triangles.iter().map(distance).fold(f64::INFINITY, f64::min);
-                let found = bvh.nearest(p, f64::INFINITY).expect("there are triangles");
+                let found = bvh.nearest(p, f64::INFINITY, 0.0).expect("there are triangles");
                 assert!((found.point.distance(p) - least).abs() < 1e-12);
                 assert!((distance(&triangles[found.triangle as usize]) - least).abs() < 1e-12);
-                assert_eq!(bvh.nearest(p, least * 1.000_001).map(|n| n.triangle), Some(found.triangle));
-                assert_eq!(bvh.nearest(p, least * 0.999_999), None);
+                assert_eq!(bvh.nearest(p, least * 1.000_001, 0.0).map(|n| n.triangle), Some(found.triangle));
+                assert_eq!(bvh.nearest(p, least * 0.999_999, 0.0), None);
+                let near = bvh.nearest(p, least * 1.01, 0.3).expect("one is within").point.distance(p);
+                assert!(near >= least * 0.999_999 && near <= least * 1.01);
+                let near = bvh.nearest(p, f64::INFINITY, 0.3).expect("there are triangles").point.distance(p);
+                assert!(near >= least * 0.999_999 && near <= least * 1.3);
             }
         }
     }
@@ -229,10 +241,10 @@ mod tests {
         let mut numbers = Numbers(9);
         for _ in 0..500 {
             let p = (numbers.point() * 0.5).as_dvec3();
-            let r = bvh.nearest(p, f64::INFINITY).expect("there are triangles").point.distance(p);
+            let r = bvh.nearest(p, f64::INFINITY, 0.0).expect("there are triangles").point.distance(p);
             assert!((r - (1.0 - p.length())).abs() < 2e-3, "{p}: {r}");
         }
-        assert_eq!(Bvh::new(&[]).nearest(DVec3::ZERO, f64::INFINITY), None);
-        assert_eq!(bvh.nearest(DVec3::NAN, f64::INFINITY), None);
+        assert_eq!(Bvh::new(&[]).nearest(DVec3::ZERO, f64::INFINITY, 0.0), None);
+        assert_eq!(bvh.nearest(DVec3::NAN, f64::INFINITY, 0.0), None);
     }
 }

@@ -114,6 +114,7 @@ impl<'a> Mixture<'a> {
     }
 
     /// Probability with which each channel is drawn from, where each is worth a factor.
+    #[inline(always)]
     fn shares(&self, worth: impl Fn(&Channel) -> f64) -> [f64; 3] {
         let shares = std::array::from_fn(|k| if self.beta[k] > 0.0 { self.merit[k] * worth(&self.channels[k]) } else { 0.0 });
         normalized(shares).unwrap_or_else(|| {
@@ -134,6 +135,7 @@ impl<'a> Mixture<'a> {
     }
 
     /// Multiplies the weights by what each channel does along the way over the density with which the way was drawn.
+    #[inline(always)]
     fn weigh(&mut self, flight: &Flight, t: f64, collides: bool) {
         let (mut value, mut drawn) = ([0.0; 3], [0.0; 3]);
         for k in 0..3 {
@@ -204,6 +206,7 @@ impl<'a> Mixture<'a> {
 
 impl Flight {
     /// In a direction that is given.
+    #[inline(always)]
     pub(super) fn fixed(mixture: &Mixture, direction: DVec3, numbers: &Numbers, number: u32) -> Self {
         let shares = mixture.shares(worth);
         let channel = &mixture.channels[choose(&shares, numbers.at(number, Dimension::Channel))];
@@ -212,6 +215,7 @@ impl Flight {
     }
 
     /// After an isotropic collision. `guide` is a unit vector to steer along and a bound on the share of steered flights.
+    #[inline(always)]
     pub(super) fn scattered(mixture: &Mixture, guide: Option<(DVec3, f64)>, numbers: &Numbers, number: u32) -> Self {
         let shares = mixture.shares(worth);
         let channel = &mixture.channels[choose(&shares, numbers.at(number, Dimension::Channel))];

@@ -27,8 +27,8 @@ impl Boundary for Geometry {
         Hit::MISS
     }
 
-    fn nearest(&self, point: DVec3, r_max: f64) -> Option<Nearest> {
-        self.bvh.nearest(point, r_max)
+    fn nearest(&self, point: DVec3, r_max: f64, tolerance: f64) -> Option<Nearest> {
+        self.bvh.nearest(point, r_max, tolerance)
     }
 
     fn normal(&self, triangle: u32, _: DVec3) -> Vec3 {

@@ -4,6 +4,19 @@
 //! weights small: all channels are served by one walk with the densities of all of them (`flight`), directions are steered to the
 //! nearest surface (`guide`), and collisions deep inside jump to the surface of a sphere around them (`jump`). The first two are exact;
 //! a jump is within 0.3 % of the light that it carries.
+//!
+//! Work: relative variance times collisions per walk, diffuse incidence, as the tests of this module measure it.
+//!
+//! | body, albedo | plain | steered | steered, jumping |
+//! |:--|--:|--:|--:|
+//! | half-space, 0.95 | 7.2 | 0.67 | 0.66 |
+//! | half-space, 0.999 | 7.4 | 0.31 | 0.52 |
+//! | ball of 50 mean free paths, 0.99 | 4.5 | 0.22 | 0.29 |
+//! | ball of 50 mean free paths, 0.9999 | 0.054 | 0.054 | 0.013 |
+//! | ball of 200 mean free paths, 0.999 | 4.8 | 0.13 | 0.41 |
+//!
+//! Jumps cost a little variance and bound the work: without absorption 30 flights per walk at 1e5 mean free paths, where walking takes
+//! 133,000. Their bias on what leaves those balls is below what could be measured, 5e-4 of it.
 
 mod flight;
 mod guide;
@@ -29,8 +42,8 @@ pub(super) trait Boundary {
     /// The first surface ahead of a point inside, at less than `t_max`. `direction` has length 1. A surface that the rounding of the
     /// point alone puts in the way does not count.
     fn hit(&self, point: DVec3, direction: Vec3, t_max: f32) -> Hit;
-    /// The nearest point of any surface within `r_max`.
-    fn nearest(&self, point: DVec3, r_max: f64) -> Option<Nearest>;
+    /// A point of a surface within `r_max`, at most `1 + tolerance` times as far as the nearest.
+    fn nearest(&self, point: DVec3, r_max: f64, tolerance: f64) -> Option<Nearest>;
     /// Outward unit normal of a triangle, or of the surface near a point where there are no triangles.
     fn normal(&self, triangle: u32, point: DVec3) -> Vec3;
     /// Whether this hit shows that the walk has left, unnoticed, the body that it entered through the triangle `entered`.

@@ -23,7 +23,7 @@ impl Boundary for Slab {
         // Flights along the planes never arrive.
         if dz != 0.0 && t < f64::from(t_max) { Hit { t: t.max(0.0) as f32, triangle, u: 0.0, v: 0.0 } } else { Hit::MISS }
     }
-    fn nearest(&self, p: DVec3, r_max: f64) -> Option<Nearest> {
+    fn nearest(&self, p: DVec3, r_max: f64, _: f64) -> Option<Nearest> {
         let is_upper = -p.z <= p.z + self.depth;
         let (z, triangle) = if is_upper { (0.0, 0) } else { (-self.depth, 1) };
         ((p.z - z).abs() <= r_max).then_some(Nearest { point: DVec3::new(p.x, p.y, z), triangle, u: 0.0, v: 0.0 })
@@ -47,7 +47,7 @@ impl Boundary for Ball {
         let t = if b > 0.0 { -c / (b + root) } else { root - b };
         if t < f64::from(t_max) { Hit { t: t.max(0.0) as f32, triangle: 0, u: 0.0, v: 0.0 } } else { Hit::MISS }
     }
-    fn nearest(&self, p: DVec3, r_max: f64) -> Option<Nearest> {
+    fn nearest(&self, p: DVec3, r_max: f64, _: f64) -> Option<Nearest> {
         let point = p.normalize_or(DVec3::Z);
         (point.distance(p) <= r_max).then_some(Nearest { point, triangle: 0, u: 0.0, v: 0.0 })
     }

@@ -83,17 +83,7 @@ fn a_ball_of_triangles_is_a_ball() {
         });
         for method in METHODS {
             let mut stats = WalkStats::default();
-            let start = std::time::Instant::now();
             let sums = measure(0.0, 30_000, [true; 3], |i| through(&geometry, &body, method, i, &mut stats));
-            eprintln!(
-                "mesh {extinction} {absorbed} {method:?}: {:.5} ({:.5}) exact {:.5} ({:.5}) {:.2} us/walk {:?}",
-                sums.mean(0),
-                sums.sigma(0),
-                exact.mean(0),
-                exact.sigma(0),
-                start.elapsed().as_secs_f64() / sums.count * 1e6,
-                stats
-            );
             assert!((sums.mean(0) - exact.mean(0)).abs() < 4.0 * sums.sigma(0).hypot(exact.sigma(0)), "{method:?}");
             assert_eq!((stats.cut, stats.lost, stats.outside), (0, 0, 0), "{method:?}");
         }
@@ -106,13 +96,7 @@ fn nothing_leaks_out_of_the_densest_body() {
     for extinction in [1e3, 1e4, 1e5, 1e9] {
         let body = body(&geometry, extinction, 0.0);
         let mut stats = WalkStats::default();
-        let start = std::time::Instant::now();
         let sums = measure(0.0, 40_000, [true; 3], |i| through(&geometry, &body, Method::Jumping, i, &mut stats));
-        eprintln!(
-            "leak {extinction}: {:.6} {:.2} us/walk {stats:?}",
-            sums.mean(0),
-            start.elapsed().as_secs_f64() / sums.count * 1e6
-        );
         assert!(1.0 - sums.mean(0) < 2e-4, "{extinction}: {} comes out", sums.mean(0));
         assert_eq!(stats.cut, 0);
     }

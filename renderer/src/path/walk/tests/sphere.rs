@@ -28,19 +28,6 @@ fn jumps_and_steering_agree_with_walking() {
             let mut stats = WalkStats::default();
             let sums = measure(0.0, 4 * walks, [true; 3], |i| through(&body, method, i + walks, &mut stats));
             let z = (sums.mean(0) - plain.mean(0)) / sums.sigma(0).hypot(plain.sigma(0));
-            eprintln!(
-                "ball {extinction} {absorbed} {method:?}: {:.5} ({:.5}) plain {:.5} ({:.5}) z {z:.2} collisions {:.1} plain {:.1} jumps {:.2} weight {:.2} cost {:.3} plain {:.3}",
-                sums.mean(0),
-                sums.sigma(0),
-                plain.mean(0),
-                plain.sigma(0),
-                stats.collisions as f64 / sums.count,
-                plain_stats.collisions as f64 / plain.count,
-                stats.jumps as f64 / sums.count,
-                stats.max_weight,
-                sums.variance(0) / sums.mean(0).powi(2) * stats.collisions as f64 / sums.count,
-                plain.variance(0) / plain.mean(0).powi(2) * plain_stats.collisions as f64 / plain.count,
-            );
             assert!(z.abs() < 3.5, "{extinction} {absorbed} {method:?}: {} against {}, z {z}", sums.mean(0), plain.mean(0));
             assert!(stats.max_weight < 20.0, "{extinction} {absorbed} {method:?}: weight {}", stats.max_weight);
         }
@@ -54,14 +41,6 @@ fn the_densest_bodies_cost_a_bounded_number_of_flights() {
         let mut stats = WalkStats::default();
         let sums = measure(0.0, 40_000, [true; 3], |i| through(&body, Method::Jumping, i, &mut stats));
         let flights = stats.collisions as f64 / sums.count + 1.0;
-        eprintln!(
-            "dense {extinction} {absorbed}: flights {flights:.2} longest {} out {:.7} rays {:.1} queries {:.1} weight {:.2}",
-            stats.longest,
-            sums.mean(0),
-            stats.rays as f64 / sums.count,
-            stats.queries as f64 / sums.count,
-            stats.max_weight
-        );
         assert!(flights < 60.0, "{extinction} {absorbed}: {flights}");
         if absorbed == 0.0 {
             assert!((sums.mean(0) - 1.0).abs() < 1e-9, "{extinction}: {} comes out", sums.mean(0));
@@ -76,20 +55,21 @@ fn the_densest_bodies_cost_a_bounded_number_of_flights() {
 #[test]
 fn the_mean_path_is_four_volumes_over_the_surface() {
     // Blanco and Fournier 2003: for uniform light and without absorption, whatever the scattering.
-    for extinction in [0.5, 3.0, 60.0] {
+    for extinction in [0.5, 3.0, 30.0] {
         let body = grey(extinction, 0.0);
-        let mut squares = 0.0;
+        let (mut squares, mut energy) = (0.0, 0.0);
         let mut stats = WalkStats::default();
-        let walks = if extinction < 1.0 { 1_000_000 } else { 40_000 };
+        let walks = if extinction < 1.0 { 500_000 } else { 40_000 };
         for i in 0..walks {
             let before = stats.collisions;
-            assert_eq!(through(&body, Method::Plain, i, &mut stats), [1.0; 3]);
+            // Roulette of the longest walks doubles what it leaves.
+            energy += through(&body, Method::Plain, i, &mut stats)[0];
             squares += ((stats.collisions - before) as f64).powi(2);
         }
         let mean = stats.collisions as f64 / f64::from(walks);
         let sigma = (squares / f64::from(walks) - mean * mean).sqrt() / f64::from(walks).sqrt();
         let known = f64::from(extinction) * 4.0 / 3.0;
-        eprintln!("mean path {extinction}: {mean} {known} {sigma}");
+        assert!((energy / f64::from(walks) - 1.0).abs() < 5e-3, "{extinction}: {energy}");
         assert!((mean - known).abs() < 3.0 * sigma, "{extinction}: {mean} collisions, not {known}");
     }
 }
@@ -107,12 +87,7 @@ fn weights_stay_small_where_steering_is_allowed() {
         let body = Body::new(&medium(extinction, absorbed), 1.0);
         for method in [Method::Guided, Method::Jumping] {
             let mut stats = WalkStats::default();
-            measure(0.0, 200_000, [true; 3], |i| through(&body, method, i, &mut stats));
-            eprintln!(
-                "weight {extinction:?} {absorbed:?} {method:?}: {} shares {:?}",
-                stats.max_weight,
-                body.channels.map(|c| c.steered)
-            );
+            measure(0.0, 60_000, [true; 3], |i| through(&body, method, i, &mut stats));
             assert!(stats.max_weight < 20.0, "{extinction:?} {absorbed:?} {method:?}: {}", stats.max_weight);
         }
     }
