@@ -4,15 +4,22 @@
 //! direction), `miss` (the environment), `film` (sums). `schedule` drives them over tiles and threads, `render` over passes. A stage reads
 //! its queue and writes its queue.
 //!
-//! Left out so far, and named by [`unsupported`]: random walks in the body, dispersion, displacement, a coat with its own normals. A path is in at
+//! Left out so far, and named by [`unsupported`]: random walks in the body, dispersion, a coat with its own normals. A path is in at
 //! most one body at a time: bodies within bodies keep only the innermost one's absorption.
+//!
+//! Height maps displace the mesh, refined to 1/128 of its radius (`displace`), and bend normals where they are finer (`detail`). Paths carry
+//! cones (`cone`), by which images are read from averaged copies (`mip`).
 
 mod aov;
 mod batch;
+mod cone;
+mod detail;
+mod displace;
 mod film;
 mod frame;
 mod geometry;
 mod light;
+mod mip;
 mod miss;
 mod prepared;
 mod raygen;
@@ -20,6 +27,8 @@ pub(crate) mod render;
 mod sampler;
 mod schedule;
 mod shade;
+#[cfg(test)]
+mod surface_tests;
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -33,6 +42,8 @@ pub use schedule::render_pass;
 
 use crate::scene::Scene;
 use burnish_material::{Lobe, LobeSet, Material};
+use displace::Relief;
+use mip::Sources;
 
 /// What a pass did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,10 +80,9 @@ impl PassStats {
 }
 
 /// Lobes that this renderer does not have, and what it draws instead.
-const LEFT_OUT: [(Lobe, &str); 4] = [
+const LEFT_OUT: [(Lobe, &str); 3] = [
     (Lobe::scattering, "scattering in the body is left out; light passes it as if it were clear"),
     (Lobe::dispersion, "dispersion is left out; all colours refract alike"),
-    (Lobe::height, "the height map is left out; the surface stays flat"),
     (Lobe::coat_normal_map, "the coat's normal map is left out; the coat follows the surface"),
 ];
 
@@ -97,6 +107,9 @@ pub fn unsupported(scene: &Scene) -> Vec<String> {
             if lobes.has(lobe) {
                 say(what);
             }
+        }
+        if let Some(what) = Relief::of(object, &mut Sources::default()).shortcoming() {
+            say(what);
         }
         for (property, slot) in material.slots() {
             if let Some(texture) = &slot.texture

@@ -1,9 +1,12 @@
 //! What a scene becomes before it is rendered: one tree, tables of the light, one surface per material.
 
 use super::batch::Batch;
+use super::detail::Bumps;
+use super::displace::{Relief, length_scale};
 use super::evaluated_lobes;
 use super::geometry::Geometry;
 use super::light::{Light, LightTables};
+use super::mip::Sources;
 use super::texture::Texture;
 use crate::bsdf::interpret;
 use crate::scene::{Camera, Object, Scene, TextureSet};
@@ -23,6 +26,10 @@ pub struct Prepared {
     pub(super) camera_sigma: [f32; 3],
     /// Whether any surface lets rays pass straight through.
     pub(super) has_cut_through: bool,
+    /// Whether any surface reads images.
+    pub(super) has_images: bool,
+    /// The images that surfaces and geometry read.
+    sources: Sources,
     /// Buffers of threads that rest.
     pub(super) pool: Arc<Mutex<Vec<Batch>>>,
 }
@@ -38,18 +45,31 @@ pub(super) struct Surface {
     pub inputs: Inputs<f64>,
     /// Images that replace some of them.
     pub textures: Vec<Texture>,
+    /// The height map, where it bends normals.
+    pub bumps: Option<Bumps>,
     /// Normalised units per unit of the material's lengths.
     pub length_scale: f64,
 }
 
 impl Surface {
-    fn new(object: &Object, scale: f64) -> Self {
-        let length_scale = if object.length_scale.is_finite() && object.length_scale > 0.0 { object.length_scale } else { 1.0 };
+    fn new(object: &Object, relief: &Relief, scale: f64, sources: &mut Sources) -> Self {
+        let length_scale = length_scale(object) * scale;
+        let inputs = object.material.inputs();
+        let bumps = match relief {
+            Relief::Displaced(texture) | Relief::Bumped(texture) => Some(Bumps {
+                texture: texture.clone(),
+                // Larger ones bend every normal as far as they go; products with texels should stay numbers.
+                scale: (inputs.height_scale * length_scale).clamp(-1e20, 1e20),
+                is_displaced: matches!(relief, Relief::Displaced(_)),
+            }),
+            _ => None,
+        };
         Self {
             lobes: evaluated_lobes(&object.material),
-            inputs: object.material.inputs(),
-            textures: Texture::all_of(object),
-            length_scale: length_scale * scale,
+            textures: Texture::all_of(object, sources),
+            bumps,
+            inputs,
+            length_scale,
             images: object.textures.clone(),
             material: object.material.clone(),
         }
@@ -66,16 +86,28 @@ impl Surface {
 
     /// Whether the direction of the tangent matters.
     pub(super) fn needs_tangent(&self) -> bool {
-        self.lobes.has(Lobe::anisotropy) || self.lobes.has(Lobe::normal_map)
+        self.bumps.is_some() || [Lobe::anisotropy, Lobe::normal_map, Lobe::coat_normal_map].iter().any(|l| self.lobes.has(*l))
+    }
+
+    /// Whether the texture coordinate matters.
+    pub(super) fn reads_images(&self) -> bool {
+        !self.textures.is_empty() || self.bumps.is_some()
+    }
+
+    /// Whether the same triangles are bent alike.
+    fn is_bent_as(&self, other: &Self) -> bool {
+        let kind = |s: &Self| s.bumps.as_ref().map(|b| b.is_displaced);
+        kind(self) == kind(other)
     }
 }
 
 impl Prepared {
     /// Prepares a scene. What is the same as in `previous` (by identity of the shared parts) is taken from there.
     pub fn new(scene: &Scene, previous: Option<&Self>) -> Self {
+        let mut sources = previous.map(|p| p.sources.clone()).unwrap_or_default();
         let geometry = match previous {
             Some(p) if p.geometry.is_of(scene) => p.geometry.clone(),
-            _ => Arc::new(Geometry::new(scene)),
+            _ => Arc::new(Geometry::new(scene, &mut sources)),
         };
         let tables = match previous {
             Some(p) if p.light.tables().is_of(&scene.environment.map) => p.light.tables().clone(),
@@ -83,9 +115,10 @@ impl Prepared {
         };
         let mut surfaces: Vec<Surface> = Vec::new();
         let mut surface_of_object = Vec::with_capacity(scene.objects.len());
-        for object in &scene.objects {
-            let made = Surface::new(object, geometry.scale);
-            let same = surfaces.iter().position(|s| s.is_of(object) && s.length_scale == made.length_scale);
+        for (object, relief) in scene.objects.iter().zip(&geometry.reliefs) {
+            let made = Surface::new(object, relief, geometry.scale, &mut sources);
+            let is_same = |s: &Surface| s.is_of(object) && s.length_scale == made.length_scale && s.is_bent_as(&made);
+            let same = surfaces.iter().position(is_same);
             surface_of_object.push(same.unwrap_or(surfaces.len()) as u32);
             if same.is_none() {
                 surfaces.push(made);
@@ -102,8 +135,11 @@ impl Prepared {
         } else {
             [0.0; 3]
         };
+        sources.drop_unused();
         Self {
             light: Light::new(&scene.environment, tables),
+            has_images: surfaces.iter().any(Surface::reads_images),
+            sources,
             has_cut_through: surfaces.iter().any(Surface::has_cut_through),
             surfaces,
             surface_of_object,
