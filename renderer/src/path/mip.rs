@@ -7,7 +7,7 @@ use crate::tonemap::srgb_decode;
 use burnish_assets::Image;
 use burnish_material::{Channel, ColorSpace, Kind, Property, TextureRef, Value};
 use std::f32::consts::TAU;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, OnceLock, Weak};
 
 /// What the numbers of an image stand for, and so how they may be averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,25 +64,25 @@ struct Level {
     texels: Vec<f32>,
 }
 
-/// The sources in use, so that an image that is read in one way is averaged once.
+/// The sources in use, so that an image that is read in one way is averaged once. Textures keep them alive.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sources(Vec<Arc<Source>>);
+pub(super) struct Sources(Vec<Weak<Source>>);
 
 impl Sources {
     /// The source of a reference; made if there is none.
     pub(super) fn get(&mut self, property: Property, reference: &TextureRef, image: &Arc<Image>) -> Arc<Source> {
         let made = Source::new(property, reference, image);
-        if let Some(same) = self.0.iter().find(|s| s.reads_as(&made)) {
-            return same.clone();
+        if let Some(same) = self.0.iter().filter_map(Weak::upgrade).find(|s| s.reads_as(&made)) {
+            return same;
         }
         let made = Arc::new(made);
-        self.0.push(made.clone());
+        self.0.push(Arc::downgrade(&made));
         made
     }
 
-    /// Forgets those that nothing else uses.
+    /// Forgets those that nothing uses any more.
     pub(super) fn drop_unused(&mut self) {
-        self.0.retain(|s| Arc::strong_count(s) > 1);
+        self.0.retain(|s| s.strong_count() > 0);
     }
 }
 

@@ -251,6 +251,31 @@ mod tests {
     }
 
     #[test]
+    fn turns_are_read_across_the_wrap() {
+        let texels = vec![[0.96; 4], [0.04; 4]];
+        let t = texture(Property::anisotropy_rotation, texels, 2, false, |r| r.wrap = Wrap::Clamp);
+        for (u, turn) in [(0.0, 0.96), (0.25, 0.96), (0.5, 0.0), (0.75, 0.04), (1.0, 0.04)] {
+            let got = t.lookup([u, 0.5], 0)[0];
+            // Half a turn looks the same as none.
+            let difference = (got - turn) * 2.0;
+            assert!((difference - difference.round()).abs() < 1e-5 && (0.0..0.5).contains(&got), "{u}: {got}");
+        }
+        assert!((t.lookup([0.5, 0.5], 1)[0] * 2.0).fract().min(1.0) < 1e-5);
+    }
+
+    #[test]
+    fn texels_are_at_most_half_the_footprint() {
+        let t = texture(Property::roughness, vec![[0.5; 4]; 64 * 16], 64, false, |r| r.uv_scale = [2.0, 0.5]);
+        // 32 texels per unit of uv.
+        for (footprint, level) in
+            [(0.0, 0), (1.0 / 32.0, 0), (3.9 / 32.0, 0), (4.1 / 32.0, 1), (8.1 / 32.0, 2), (1.0, 4), (1e9, 6)]
+        {
+            assert_eq!(t.level(footprint), level, "{footprint}");
+        }
+        assert_eq!([t.level(f32::NAN), t.level(-1.0), t.level(f32::INFINITY)], [0, 0, 6]);
+    }
+
+    #[test]
     fn unusable_texels_are_the_default() {
         let t = texture(Property::roughness, vec![[f32::NAN; 4]], 1, false, |_| {});
         assert_eq!(t.lookup([0.5, 0.5], 0)[0], 0.3);
