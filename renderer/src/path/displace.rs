@@ -8,6 +8,7 @@ use burnish_assets::{Bounds, Image, Mesh};
 use burnish_material::{Lobe, LobeSet, Property, TextureRef};
 use glam::Vec3;
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 /// Longest edge of a displaced mesh, as a fraction of the radius of the object's bounds. What is finer only bends normals.
@@ -183,9 +184,14 @@ impl Patch {
     /// repeated: all go by the mean of their distances, along the mean of their normals divided by its squared length, so that
     /// planes that meet there at any angle up to a cube's corner all move by that distance.
     fn displace(&mut self, distances: &[f32]) {
-        let place = |v: &Vertex| [v[0], v[1], v[2]].map(|x| (x + 0.0).to_bits());
+        let place = |v: &Vertex| {
+            // Adding 0 makes -0 and 0 one place.
+            let [x, y, z] = [v[0], v[1], v[2]].map(|x| u64::from((x + 0.0).to_bits()));
+            (x << 32 | y, z)
+        };
         let normal = |v: &Vertex| Vec3::new(v[3], v[4], v[5]).normalize_or_zero();
-        let mut places: HashMap<[u32; 3], (Vec3, f32, f32)> = HashMap::with_capacity(self.vertices.len());
+        let mut places: Quick<(u64, u64), (Vec3, f32, f32)> =
+            HashMap::with_capacity_and_hasher(self.vertices.len(), BuildHasherDefault::default());
         for (v, d) in self.vertices.iter().zip(distances) {
             let sum = places.entry(place(v)).or_default();
             *sum = (sum.0 + normal(v), sum.1 + d, sum.2 + 1.0);
@@ -207,7 +213,7 @@ impl Patch {
     fn refine(&mut self, longest: f32) -> bool {
         let limit = longest * longest;
         let vertices = &mut self.vertices;
-        let mut middles: HashMap<[u32; 2], u32> = HashMap::new();
+        let mut middles: Quick<u64, u32> = HashMap::default();
         let mut refined = Vec::with_capacity(self.triangles.len());
         for &t in &self.triangles {
             let middle = [0, 1, 2].map(|k| {
@@ -216,7 +222,7 @@ impl Patch {
                 let length = squared(&p, &q);
                 // A place that is not finite stays where it is.
                 (length > limit && length.is_finite()).then(|| {
-                    *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                    *middles.entry(u64::from(a.min(b)) << 32 | u64::from(a.max(b))).or_insert_with(|| {
                         let half = std::array::from_fn(|k| 0.5 * p[k] + 0.5 * q[k]);
                         vertices.push(half);
                         (vertices.len() - 1) as u32
@@ -227,6 +233,28 @@ impl Patch {
         }
         self.triangles = refined;
         !middles.is_empty()
+    }
+}
+
+/// A table that is filled from a mesh: millions of entries, and nobody who would choose keys that collide.
+type Quick<K, V> = HashMap<K, V, BuildHasherDefault<Mix>>;
+
+/// The multiply and rotate of FxHash.
+#[derive(Default)]
+struct Mix(u64);
+
+impl Hasher for Mix {
+    fn finish(&self) -> u64 {
+        // The last product's best bits are its upper ones; the table looks at both ends.
+        self.0.rotate_left(26)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|b| self.write_u64(u64::from(*b)));
+    }
+
+    fn write_u64(&mut self, x: u64) {
+        self.0 = (self.0.rotate_left(23) ^ x).wrapping_mul(0x517c_c1b7_2722_0a95);
     }
 }
 
