@@ -157,6 +157,20 @@ fn odd_heights_render() {
 }
 
 #[test]
+fn odd_uniform_heights_render() {
+    let glass = [(Property::translucency, Value::Float(1.0)), (Property::opacity, Value::Float(0.5))];
+    for height in [1e300, -1e30, 3.0, -1.0, 0.5 + 1e-9, f64::NAN, f64::INFINITY] {
+        for scale in [1.0, 1e300, -1e-30] {
+            let values = [&glass[..], &[(Property::height, Value::Float(height)), (Property::height_scale, Value::Float(scale))]];
+            let scene = scene(vec![textured(sphere(1.0, 8), &values.concat(), &[])], window());
+            let (film, stats) = picture(&scene, 8, &[2], 1);
+            assert_eq!((stats.nonfinite, stats.negative), (0, 0), "{height} times {scale}");
+            assert!(film.mean().iter().flatten().all(|c| c.is_finite() && *c >= 0.0), "{height} times {scale}");
+        }
+    }
+}
+
+#[test]
 fn what_is_only_bent_is_said() {
     let scale = [(Property::height_scale, Value::Float(0.1))];
     let sentences = |parts: bool| {
