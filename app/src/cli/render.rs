@@ -208,7 +208,7 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         stop_reason: rendering.stop_reason.word(),
         error: film.error(),
         nonfinite: rendering.nonfinite,
-        lobes: lobes(&loaded.scene, |material| path::evaluated_lobes(material, LobeSet::EMPTY)),
+        lobes: lobes(&loaded.scene, LobeSet::of),
     })
 }
 

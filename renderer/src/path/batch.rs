@@ -31,6 +31,10 @@ pub(super) struct Paths {
     pub is_dispersed: Vec<bool>,
     /// Density of the last direction that a non-delta lobe chose; 0 if light sampling could not have found it.
     pub pdf: Vec<f32>,
+    /// Width of the cone where the ray starts, normalised units.
+    pub cone_width: Vec<f32>,
+    /// How fast it widens: width per distance.
+    pub cone_spread: Vec<f32>,
     /// Scattering events so far.
     pub bounces: Vec<u32>,
     /// The triangle that the path leaves.
@@ -47,7 +51,7 @@ pub(super) struct Paths {
 
 impl Paths {
     /// Room for `count` paths; values of earlier paths are left over.
-    fn resize(&mut self, count: usize) {
+    pub(super) fn resize(&mut self, count: usize) {
         for triple in [
             &mut self.origin,
             &mut self.direction,
@@ -60,10 +64,12 @@ impl Paths {
                 column.resize(count, 0.0);
             }
         }
+        for column in [&mut self.pdf, &mut self.cone_width, &mut self.cone_spread] {
+            column.resize(count, 0.0);
+        }
         self.body.resize(count, NONE);
         self.wavelength.resize(count, 0.0);
         self.is_dispersed.resize(count, false);
-        self.pdf.resize(count, 0.0);
         self.bounces.resize(count, 0);
         self.excluded.resize(count, NONE);
         self.seeds.resize(count, 0);

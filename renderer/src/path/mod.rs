@@ -5,13 +5,20 @@
 //! its queue and writes its queue.
 //!
 //! A path is in at most one body at a time: of bodies within bodies it keeps only the innermost one's interior.
+//!
+//! Height maps displace the mesh, refined to 1/128 of its radius (`displace`), and bend normals where they are finer (`detail`). Paths carry
+//! cones (`cone`), by which images are read from averaged copies (`mip`).
 
 mod aov;
 mod batch;
+mod cone;
+mod detail;
+mod displace;
 mod film;
 mod frame;
 mod geometry;
 mod light;
+mod mip;
 mod miss;
 mod prepared;
 mod raygen;
@@ -20,6 +27,8 @@ mod sampler;
 mod scatter;
 mod schedule;
 mod shade;
+#[cfg(test)]
+mod surface_tests;
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -33,7 +42,8 @@ pub use render::{Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, 
 pub use schedule::render_pass;
 
 use crate::scene::Scene;
-use burnish_material::{Lobe, LobeSet, Material};
+use displace::Relief;
+use mip::Sources;
 
 /// What a pass did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,33 +88,19 @@ impl PassStats {
     }
 }
 
-/// Lobes that this renderer does not have, and what it draws instead.
-const LEFT_OUT: [(Lobe, &str); 2] = [
-    (Lobe::height, "the height map is left out; the surface stays flat"),
-    (Lobe::coat_normal_map, "the coat's normal map is left out; the coat follows the surface"),
-];
-
-/// The lobes of a material that this renderer evaluates, `more` added.
-pub fn evaluated_lobes(material: &Material, more: LobeSet) -> LobeSet {
-    LEFT_OUT.iter().fold(LobeSet::of(material).union(more), |set, (lobe, _)| set.without(*lobe))
-}
-
 /// Sentences that name what the materials of a scene ask for and this renderer leaves out.
 pub fn unsupported(scene: &Scene) -> Vec<String> {
     let mut sentences = Vec::new();
     for object in &scene.objects {
         let material = &object.material;
-        let lobes = LobeSet::of(material);
         let mut say = |what: &str| {
             let sentence = format!("{}: {what}.", if material.name.is_empty() { "material" } else { &material.name });
             if !sentences.contains(&sentence) {
                 sentences.push(sentence);
             }
         };
-        for (lobe, what) in LEFT_OUT {
-            if lobes.has(lobe) {
-                say(what);
-            }
+        if let Some(what) = Relief::of(object, &mut Sources::default()).shortcoming() {
+            say(what);
         }
         for (property, slot) in material.slots() {
             if let Some(texture) = &slot.texture

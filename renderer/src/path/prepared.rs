@@ -1,9 +1,11 @@
 //! What a scene becomes before it is rendered: one tree, tables of the light, one surface per material.
 
 use super::batch::Batch;
-use super::evaluated_lobes;
+use super::detail::Bumps;
+use super::displace::{Relief, length_scale};
 use super::geometry::Geometry;
 use super::light::{Light, LightTables};
+use super::mip::Sources;
 use super::texture::Texture;
 use crate::bsdf::{Albedos, interpret};
 use crate::bvh::NONE;
@@ -30,6 +32,10 @@ pub struct Prepared {
     pub(super) radius_of_object: Vec<f32>,
     /// Whether any surface lets rays pass straight through.
     pub(super) has_cut_through: bool,
+    /// Whether any surface reads images.
+    pub(super) has_images: bool,
+    /// The images that surfaces and geometry read.
+    sources: Sources,
     /// Buffers of threads that rest.
     pub(super) pool: Arc<Mutex<Vec<Batch>>>,
 }
@@ -56,6 +62,8 @@ pub(super) struct Surface {
     pub inputs: Inputs<f64>,
     /// Images that replace some of them.
     pub textures: Vec<Texture>,
+    /// The height map, where it bends normals.
+    pub bumps: Option<Bumps>,
     /// Normalised units per unit of the material's lengths.
     pub length_scale: f64,
     /// Tables of its albedos.
@@ -63,25 +71,37 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    fn new<'a>(object: &Object, lobes: LobeSet, length_scale: f64, albedos: impl IntoIterator<Item = &'a Arc<Albedos>>) -> Self {
-        let (lobes, inputs, textures) =
-            (evaluated_lobes(&object.material, lobes), object.material.inputs(), Texture::all_of(object));
+    fn new<'a>(
+        object: &Object,
+        relief: &Relief,
+        lobes: LobeSet,
+        scale: f64,
+        sources: &mut Sources,
+        albedos: impl IntoIterator<Item = &'a Arc<Albedos>>,
+    ) -> Self {
+        let length_scale = length_scale(object) * scale;
+        let inputs = object.material.inputs();
+        let bumps = match relief {
+            Relief::Displaced(texture) | Relief::Bumped(texture) => Some(Bumps {
+                texture: texture.clone(),
+                // Larger ones bend every normal as far as they go; products with texels should stay numbers.
+                scale: (inputs.height_scale * length_scale).clamp(-1e20, 1e20),
+                is_displaced: matches!(relief, Relief::Displaced(_)),
+            }),
+            _ => None,
+        };
+        let (lobes, textures) = (LobeSet::of(&object.material).union(lobes), Texture::all_of(object, sources));
         let varies = |property| textures.iter().any(|t| t.property == property);
         Self {
             albedos: Albedos::new(&inputs, lobes, varies, albedos),
             lobes,
-            inputs,
             textures,
+            bumps,
+            inputs,
             length_scale,
             images: object.textures.clone(),
             material: object.material.clone(),
         }
-    }
-
-    /// Normalised units per unit of the material's lengths.
-    fn length_scale(object: &Object, scale: f64) -> f64 {
-        let length_scale = if object.length_scale.is_finite() && object.length_scale > 0.0 { object.length_scale } else { 1.0 };
-        length_scale * scale
     }
 
     fn is_of(&self, object: &Object) -> bool {
@@ -95,7 +115,18 @@ impl Surface {
 
     /// Whether the direction of the tangent matters.
     pub(super) fn needs_tangent(&self) -> bool {
-        self.lobes.has(Lobe::anisotropy) || self.lobes.has(Lobe::normal_map)
+        self.bumps.is_some() || [Lobe::anisotropy, Lobe::normal_map, Lobe::coat_normal_map].iter().any(|l| self.lobes.has(*l))
+    }
+
+    /// Whether the texture coordinate matters.
+    pub(super) fn reads_images(&self) -> bool {
+        !self.textures.is_empty() || self.bumps.is_some()
+    }
+
+    /// Whether the same triangles are bent alike.
+    fn is_bent_as(&self, other: &Self) -> bool {
+        let kind = |s: &Self| s.bumps.as_ref().map(|b| b.is_displaced);
+        kind(self) == kind(other)
     }
 }
 
@@ -108,9 +139,10 @@ impl Prepared {
     /// The same with these lobes evaluated also where a material does not need them: the picture is the same, and shows what leaving them out
     /// saves. [`LobeSet::all`] leaves nothing out.
     pub fn with_lobes(scene: &Scene, previous: Option<&Self>, lobes: LobeSet) -> Self {
+        let mut sources = previous.map(|p| p.sources.clone()).unwrap_or_default();
         let geometry = match previous {
             Some(p) if p.geometry.is_of(scene) => p.geometry.clone(),
-            _ => Arc::new(Geometry::new(scene)),
+            _ => Arc::new(Geometry::new(scene, &mut sources)),
         };
         let tables = match previous {
             Some(p) if p.light.tables().is_of(&scene.environment.map) => p.light.tables().clone(),
@@ -118,14 +150,15 @@ impl Prepared {
         };
         let mut surfaces: Vec<Surface> = Vec::new();
         let mut surface_of_object = Vec::with_capacity(scene.objects.len());
-        for object in &scene.objects {
-            let length_scale = Surface::length_scale(object, geometry.scale);
-            let same = surfaces.iter().position(|s| s.is_of(object) && s.length_scale == length_scale);
+        for (object, relief) in scene.objects.iter().zip(&geometry.reliefs) {
+            // What another material of this or the last scene has made may fit.
+            let known = previous.map_or(&[][..], |p| &p.surfaces).iter().chain(&surfaces).map(|s| &s.albedos);
+            let made = Surface::new(object, relief, lobes, geometry.scale, &mut sources, known);
+            let is_same = |s: &Surface| s.is_of(object) && s.length_scale == made.length_scale && s.is_bent_as(&made);
+            let same = surfaces.iter().position(is_same);
             surface_of_object.push(same.unwrap_or(surfaces.len()) as u32);
             if same.is_none() {
-                // What another material of this or the last scene has made may fit.
-                let known = previous.map_or(&[][..], |p| &p.surfaces).iter().chain(&surfaces);
-                surfaces.push(Surface::new(object, lobes, length_scale, known.map(|s| &s.albedos)));
+                surfaces.push(made);
             }
         }
         let lobes = surfaces.iter().fold(LobeSet::EMPTY, |set, s| set.union(s.lobes));
@@ -143,8 +176,11 @@ impl Prepared {
             let extent = f64::from(object.mesh.bounds().size().min_element()) * 0.5 * geometry.scale;
             if extent.is_finite() { extent.max(1e-6) as f32 } else { 1.0 }
         };
+        sources.drop_unused();
         Self {
             light: Light::new(&scene.environment, tables),
+            has_images: surfaces.iter().any(Surface::reads_images),
+            sources,
             has_cut_through: has(Lobe::opacity),
             surfaces,
             surface_of_object,

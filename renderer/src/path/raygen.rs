@@ -76,6 +76,8 @@ impl Kernel for Raygen<'_> {
         let Self { prepared, view, tile, seed, paths } = self;
         let total = tile.paths();
         let medium = &prepared.camera_medium;
+        // Where nothing reads images, footprints are nobody's concern.
+        let spread = if prepared.has_images { view.spread() } else { 0.0 };
         let (forward, right, up) = (splat(view.basis.forward), splat(view.basis.right), splat(view.basis.up));
         let mut start = 0;
         while start < total {
@@ -113,6 +115,8 @@ impl Kernel for Raygen<'_> {
                 paths.is_dispersed[path] = false;
                 paths.body[path] = medium.object;
                 paths.pdf[path] = 0.0;
+                paths.cone_width[path] = 0.0;
+                paths.cone_spread[path] = spread;
                 paths.bounces[path] = 0;
                 paths.excluded[path] = NONE;
                 paths.seeds[path] = seeds[lane];

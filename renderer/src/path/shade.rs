@@ -7,7 +7,8 @@
 
 use super::PassStats;
 use super::batch::{Paths, Shadows, Triples};
-use super::frame::{Frame, Point, facing, point, scale_normal};
+use super::detail::{Footprint, Shading};
+use super::frame::{Frame, Point, point};
 use super::geometry::offset;
 use super::prepared::{Prepared, Surface};
 use super::sampler::{Group, MAX_LANES, draw, per_lane};
@@ -16,7 +17,7 @@ use crate::bsdf::{Bsdf, Optics, View, Wavelength, interpret};
 use crate::bvh::{Hit, Ray};
 use crate::lanes::{Kernel, Lanes, Mask};
 use crate::vector::{Rgb, V3};
-use burnish_material::{Inputs, Lobe, Property};
+use burnish_material::{Inputs, Lobe};
 use glam::Vec3;
 
 /// Scattering events before roulette may end a path. Earlier roulette costs more noise than it saves time, glass above all.
@@ -72,25 +73,20 @@ impl Shade<'_> {
             throughput = throughput.zip(medium.sigma_a, |b, s| b * L::select(is_clear, (-(s * t)).exp(), L::one()));
         }
 
-        let at: Point<L> = point(&prepared.geometry, &hits, surface.needs_tangent(), !surface.textures.is_empty());
+        let at: Point<L> = point(&prepared.geometry, &hits, surface.needs_tangent(), surface.reads_images());
         let is_front = wo.dot(at.ng).gt(L::zero());
-        let (made, mut normal) = (surface.textured(inputs, &at.uv), inputs.normal);
+        let footprint = surface.reads_images().then(|| Footprint::new(&prepared.geometry, &hits, self.paths, &id));
+        let made = footprint.as_ref().and_then(|f| surface.textured(inputs, &at.uv, f.uv));
         let interpreted;
         let optics = match &made {
             Some(inputs) => {
-                normal = inputs.normal;
                 interpreted = interpret(inputs, lobes, L::of(surface.length_scale));
                 &interpreted
             }
             None => uniform,
         };
-        let mut n = at.n;
-        if lobes.has(Lobe::normal_map) {
-            let bent = Frame::along(n, at.tangent).world(scale_normal(normal, surface.inputs.normal_scale));
-            n = V3::select(bent.dot(at.ng).gt(L::zero()), bent, n);
-        }
-        n = facing(n, wo, is_front);
-        let frame = if surface.needs_tangent() { Frame::along(n, at.tangent) } else { Frame::around(n) };
+        let Shading { frame, coat_normal } =
+            surface.shading(&at, made.as_ref().unwrap_or(inputs), footprint.as_ref(), wo, is_front);
 
         // Cut-through: straight on, as if there were no surface. It keeps the density of the last choice of direction.
         let mut is_passed = <L::Mask as Mask>::splat(false);
@@ -126,7 +122,9 @@ impl Shade<'_> {
         };
         if is_scattered.any() {
             let light = lobes.has(Lobe::dispersion).then(|| self.wavelength(&id));
-            let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &View { throughput, light, ..View::new(frame.local(wo)) });
+            let coat_normal = surface.has_coat_normal().then(|| frame.local(coat_normal));
+            let view = View { throughput, light, coat_normal, ..View::new(frame.local(wo)) };
+            let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &view);
             let choice: [L; 4] = draw(Group::Light, self.vertex, &seeds, &indices);
             if prepared.light.is_sampled() {
                 self.connect(&bsdf, &frame, &at, wo, throughput, [medium, go.beyond], choice, is_scattered, &id);
@@ -273,6 +271,10 @@ impl Shade<'_> {
             let origin =
                 if is_scattering.lane(i) { position } else { leave(position, lane_vector(at.ng, i) * side.lane(i)) }.to_array();
             let direction = lane_vector(go.direction, i).to_array();
+            if self.prepared.has_images {
+                // What passes straight on keeps the density of an earlier choice, which the cone knows already.
+                self.paths.extend_cone(id, if is_passed.lane(i) { 0.0 } else { go.pdf.lane(i) });
+            }
             for k in 0..3 {
                 self.paths.origin[k][id] = origin[k];
                 self.paths.direction[k][id] = direction[k];
@@ -310,9 +312,10 @@ struct Continuation<L: Lanes> {
 }
 
 impl Surface {
-    /// Inputs with images looked up; `None` for a material without images.
+    /// Inputs with images looked up, at the level for a footprint (a length in uv; 0 reads the finest); `None` for a material
+    /// without images.
     #[inline(always)]
-    pub(super) fn textured<L: Lanes>(&self, inputs: &Inputs<L>, uv: &[L; 2]) -> Option<Inputs<L>> {
+    pub(super) fn textured<L: Lanes>(&self, inputs: &Inputs<L>, uv: &[L; 2], footprint: L) -> Option<Inputs<L>> {
         if self.textures.is_empty() {
             return None;
         }
@@ -320,10 +323,9 @@ impl Surface {
         for texture in &self.textures {
             let mut texels = [[0.0; MAX_LANES]; 3];
             for i in 0..L::WIDTH {
-                let value = texture.lookup([uv[0].lane(i), uv[1].lane(i)]);
+                let value = texture.lookup([uv[0].lane(i), uv[1].lane(i)], texture.level(footprint.lane(i)));
                 for k in 0..3 {
-                    // Normal maps store directions as 0 to 1.
-                    texels[k][i] = if texture.property == Property::normal { 2.0 * value[k] - 1.0 } else { value[k] };
+                    texels[k][i] = value[k];
                 }
             }
             texture.apply(&texels, &mut inputs);
@@ -336,7 +338,7 @@ impl Surface {
 pub(super) fn opacity_at(prepared: &Prepared, surface: &Surface, hit: &Hit) -> (f32, [f32; 3]) {
     let at: Point<f32> = point(&prepared.geometry, &[*hit; MAX_LANES], false, !surface.textures.is_empty());
     let uniform = surface.inputs.convert(|x| x as f32);
-    let inputs = surface.textured(&uniform, &at.uv).unwrap_or(uniform);
+    let inputs = surface.textured(&uniform, &at.uv, 0.0).unwrap_or(uniform);
     let optics = interpret(&inputs, surface.lobes, surface.length_scale as f32);
     (optics.opacity, (optics.sigma_a + optics.sigma_s).0)
 }

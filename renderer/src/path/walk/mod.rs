@@ -28,7 +28,7 @@ mod numbers;
 #[cfg(test)]
 mod tests;
 
-pub(super) use medium::{Body, MEAN_FREE_PATH_MIN, Medium};
+pub(super) use medium::{Body, Medium};
 
 use crate::bvh::{Hit, Nearest};
 use flight::{Flight, Mixture};
@@ -52,6 +52,7 @@ pub(super) trait Boundary {
 
 /// Which means a walk may use. Each is still used only where it pays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(not(test), expect(dead_code, reason = "the product uses all means; tests compare them with fewer"))]
 pub(super) enum Method {
     /// None: isotropic directions, every collision.
     Plain,
@@ -139,7 +140,8 @@ pub(super) struct WalkStats {
 }
 
 impl WalkStats {
-    /// Adds the counts of another thread.
+    /// Adds the counts of another walk.
+    #[cfg(test)]
     pub(super) fn add(&mut self, other: &Self) {
         self.walks += other.walks;
         self.collisions += other.collisions;

@@ -27,18 +27,21 @@ fn ball(rings: u32, shift: f32) -> Geometry {
         }
     }
     let map = Arc::new(Environment { name: "black".to_owned(), width: 2, height: 1, texels: vec![[0.0; 3]; 2] });
-    Geometry::new(&Scene {
-        objects: vec![Object {
-            mesh: Arc::new(mesh),
-            material: Arc::new(Material::named("test")),
-            textures: Arc::default(),
-            is_document: true,
-            length_scale: 1.0,
-        }],
-        environment: EnvironmentLight { map, rotation_deg: 0.0, scale: 1.0 },
-        camera: Camera { origin: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, fov_deg: 30.0 },
-        max_bounces: 1,
-    })
+    Geometry::new(
+        &Scene {
+            objects: vec![Object {
+                mesh: Arc::new(mesh),
+                material: Arc::new(Material::named("test")),
+                textures: Arc::default(),
+                is_document: true,
+                length_scale: 1.0,
+            }],
+            environment: EnvironmentLight { map, rotation_deg: 0.0, scale: 1.0 },
+            camera: Camera { origin: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, fov_deg: 30.0 },
+            max_bounces: 1,
+        },
+        &mut super::super::super::mip::Sources::default(),
+    )
 }
 
 /// A grey medium, its extinction in units of the ball's radius.
