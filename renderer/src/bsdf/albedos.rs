@@ -8,6 +8,7 @@
 use super::dispersion::WAVELENGTH_RANGE;
 use super::fill::{Interface, Wanted, fill};
 use super::interpret::{Optics, interpret};
+use super::tables::cell;
 use crate::lanes::Lanes;
 use crate::vector::V3;
 use burnish_material::{Inputs, Lobe, LobeSet, Property};
@@ -98,16 +99,8 @@ impl Albedos {
         varies: impl Fn(Property) -> bool,
         made: impl IntoIterator<Item = &'a Arc<Self>>,
     ) -> Arc<Self> {
-        use Property as P;
         let has_coat = lobes.has(Lobe::coat);
-        let base_varies = [
-            varies(P::roughness),
-            varies(P::anisotropy) && lobes.has(Lobe::anisotropy),
-            varies(P::specular_level),
-            varies(P::coat) && has_coat,
-            lobes.has(Lobe::dispersion),
-        ];
-        let coat_varies = [varies(P::coat_roughness), false, varies(P::coat_specular_level), false, false];
+        let [base_varies, coat_varies] = varying(lobes, varies);
         let key = key(inputs, lobes, &base_varies, &coat_varies);
         if let Some(fitting) = made.into_iter().find(|made| made.key == key) {
             return fitting.clone();
@@ -152,6 +145,18 @@ impl Albedos {
         Arc::new(Self { base, coat, key })
     }
 
+    /// The first of `made` that fits a material with these values: [`Self::new`] without its work.
+    pub fn fitting<'a>(
+        inputs: &Inputs<f64>,
+        lobes: LobeSet,
+        varies: impl Fn(Property) -> bool,
+        made: impl IntoIterator<Item = &'a Arc<Self>>,
+    ) -> Option<Arc<Self>> {
+        let [base_varies, coat_varies] = varying(lobes, varies);
+        let key = key(inputs, lobes, &base_varies, &coat_varies);
+        made.into_iter().find(|made| made.key == key).cloned()
+    }
+
     /// Tables of a material without images.
     pub fn uniform(inputs: &Inputs<f64>, lobes: LobeSet) -> Arc<Self> {
         Self::new(inputs, lobes, |_| false, [])
@@ -183,6 +188,19 @@ impl Albedos {
 
 /// Numbers before the values of a grid in [`Albedos::words`]: counts, azimuths, cosines, begin of the means, begins of the quantities.
 pub const HEAD: usize = AXES + 3 + QUANTITIES;
+
+/// Numbers that the tables of base and coat run over.
+fn varying(lobes: LobeSet, varies: impl Fn(Property) -> bool) -> [[bool; AXES]; 2] {
+    use Property as P;
+    let base = [
+        varies(P::roughness),
+        varies(P::anisotropy) && lobes.has(Lobe::anisotropy),
+        varies(P::specular_level),
+        varies(P::coat) && lobes.has(Lobe::coat),
+        lobes.has(Lobe::dispersion),
+    ];
+    [base, [varies(P::coat_roughness), false, varies(P::coat_specular_level), false, false]]
+}
 
 /// All that the tables depend on.
 fn key(i: &Inputs<f64>, lobes: LobeSet, base_varies: &[bool; AXES], coat_varies: &[bool; AXES]) -> Vec<u64> {
@@ -259,9 +277,9 @@ impl Grid {
     #[inline(always)]
     pub fn place<L: Lanes>(&self, numbers: [L; AXES]) -> Place<L> {
         let mut place = Place { index: [L::zero(); AXES], fraction: [L::zero(); AXES] };
-        for k in 0..AXES {
+        for (k, number) in numbers.into_iter().enumerate() {
             if self.counts[k] > 1 {
-                (place.index[k], place.fraction[k]) = cell(numbers[k], self.counts[k]);
+                (place.index[k], place.fraction[k]) = cell(number, self.counts[k]);
             }
         }
         place
@@ -321,20 +339,12 @@ impl Grid {
                 bit += 1;
                 let step = if is_upper { L::one() } else { L::zero() };
                 row = row * L::of(self.counts[k] as f64) + place.index[k] + step;
-                weight = weight * if is_upper { place.fraction[k] } else { L::one() - place.fraction[k] };
+                weight *= if is_upper { place.fraction[k] } else { L::one() - place.fraction[k] };
             }
             sum += weight * value(row);
         }
         sum
     }
-}
-
-/// Position of `u` in `[0, 1]` on an axis of `n` entries: index of the cell and place within it.
-#[inline(always)]
-fn cell<L: Lanes>(u: L, n: usize) -> (L, L) {
-    let s = u.sat() * L::of((n - 1) as f64);
-    let i = s.floor().min(L::of((n - 2) as f64));
-    (i, s - i)
 }
 
 /// Weights of the entries in the mean over the cosine-weighted hemisphere, exact for what is linear in `sqrt(mu)` and in

@@ -1,4 +1,4 @@
-//! Values and densities of the BSDF. Twin of the part of `bsdf.wgsl` with the same names.
+//! Values and densities of the BSDF. Twin of `eval.wgsl`.
 
 use super::albedos::Quantity;
 use super::coat::coat_passage;

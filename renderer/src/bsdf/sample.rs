@@ -1,4 +1,4 @@
-//! Directions drawn from the BSDF. Twin of the part of `bsdf.wgsl` with the same names.
+//! Directions drawn from the BSDF. Twin of `sample.wgsl`.
 
 use super::Bsdf;
 use super::fresnel::fresnel;
