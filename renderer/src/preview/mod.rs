@@ -25,6 +25,7 @@
 
 mod bake;
 mod bake_job;
+mod cost;
 mod device;
 mod environment;
 mod floor;
@@ -77,6 +78,8 @@ pub struct Preview {
     steps: u32,
     /// The picture in the mean was drawn with a pipeline that did not fit.
     is_provisional: bool,
+    /// Lobes that are evaluated although the edited material does not need them.
+    more: LobeSet,
     first: First,
     error: Option<PreviewError>,
 }
@@ -118,6 +121,11 @@ struct Drawn {
     block: wgpu::Buffer,
     maps: wgpu::TextureView,
     bind: wgpu::BindGroup,
+}
+
+/// Lobes that an object is drawn with.
+fn own_lobes(object: &Object, more: LobeSet) -> LobeSet {
+    LobeSet::of(&object.material).union(if object.is_document { more } else { LobeSet::EMPTY })
 }
 
 impl Drawn {
@@ -168,6 +176,7 @@ impl Preview {
             targets: None,
             steps: 0,
             is_provisional: false,
+            more: LobeSet::EMPTY,
             first: First::on(device),
             error: None,
         })
@@ -371,9 +380,7 @@ impl Preview {
         height: u32,
         frames: u32,
     ) -> Result<Vec<[f32; 4]>, PreviewError> {
-        for kind in self.objects.iter().map(Drawn::kind).collect::<Vec<_>>() {
-            self.pipelines.for_lobes(device, kind, true)?;
-        }
+        self.compile(device)?;
         while self.filtering.is_some() {
             std::thread::sleep(std::time::Duration::from_millis(2));
             self.take_filtered(device, queue)?;

@@ -2,10 +2,9 @@
 
 use super::device::PreviewError;
 use super::environment::{self, Prefiltered};
-use super::{Drawn, Light, Preview, Stage, floor, upload};
+use super::{Drawn, Light, Preview, Stage, floor, own_lobes, upload};
 use crate::scene::{Object, Scene};
 use burnish_assets::Environment;
-use burnish_material::LobeSet;
 use glam::Vec3;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
@@ -158,7 +157,7 @@ impl Preview {
         previous: Option<Drawn>,
     ) -> Result<Drawn, PreviewError> {
         let block = upload::object_block(object);
-        let lobes = LobeSet::of(&object.material);
+        let lobes = own_lobes(object, self.more);
         if let Some(mut drawn) = previous {
             queue.write_buffer(&drawn.block, 0, bytemuck::bytes_of(&block));
             let slots = |o: &Object| o.material.slots().map(|(_, s)| s.texture.clone()).collect::<Vec<_>>();

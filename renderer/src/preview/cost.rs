@@ -1,0 +1,26 @@
+//! What leaving lobes out saves: the preview with more lobes than a material needs, and the time that pipelines take.
+
+use super::device::PreviewError;
+use super::{Drawn, Preview, own_lobes};
+use burnish_material::LobeSet;
+use std::time::{Duration, Instant};
+
+impl Preview {
+    /// Evaluates these lobes also where the edited material does not need them: the picture is the same. [`LobeSet::all`] leaves nothing out.
+    pub fn set_more_lobes(&mut self, more: LobeSet) {
+        self.more = more;
+        for drawn in &mut self.objects {
+            drawn.lobes = own_lobes(&drawn.object, more);
+        }
+        self.steps = 0;
+    }
+
+    /// Compiles what the objects need and is not there yet, and waits for it; returns how long that took.
+    pub fn compile(&mut self, device: &wgpu::Device) -> Result<Duration, PreviewError> {
+        let start = Instant::now();
+        for kind in self.objects.iter().map(Drawn::kind).collect::<Vec<_>>() {
+            self.pipelines.for_lobes(device, kind, true)?;
+        }
+        Ok(start.elapsed())
+    }
+}
