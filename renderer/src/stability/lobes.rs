@@ -310,7 +310,7 @@ impl At {
 }
 
 /// Coefficients that must be finite and within the range that their documentation states.
-fn check_optics(o: &Optics<f32>, prefix: &str, numbers: &mut Numbers) {
+pub(super) fn check_optics(o: &Optics<f32>, prefix: &str, numbers: &mut Numbers) {
     let mut check = |name: &str, value: f32, low: f32, high: f32| {
         if !value.is_finite() {
             numbers.nonfinite += 1;
@@ -390,8 +390,12 @@ pub fn probe_scattering(
     let mut albedo = Albedo::default();
     let mut density = 0.0;
     let uniform = 1.0 / (4.0 * PI);
-    // The balance heuristic over drawn and uniform directions bounds every term of the integral.
-    let share = |pdf: f64| pdf / (DRAWS as f64 * pdf + UNIFORM as f64 * uniform);
+    // Drawn directions count where the density is high, uniform ones where it is low. Only the latter tell whether a density is too large,
+    // so they get the larger part.
+    let share = |pdf: f64, is_drawn: bool| {
+        let (part, count) = if is_drawn { (1.0, DRAWS) } else { (2.0, UNIFORM) };
+        part * pdf / ((pdf + 2.0 * uniform) * count as f64)
+    };
     for i in 0..CORNERS + DRAWS {
         let u = point(i);
         let s = single.sample(u);
@@ -406,7 +410,7 @@ pub fn probe_scattering(
                 let (value, pdf) = single.eval(s.wi);
                 count(&[value[0], value[1], value[2], pdf], "a value", place, numbers);
                 if is_counted {
-                    density += share(pdf);
+                    density += share(pdf, true);
                     if let Some(exact) = exact {
                         compare(&(value, pdf), &exact.eval(s.wi), place, &mut numbers.precision);
                     }
@@ -427,7 +431,7 @@ pub fn probe_scattering(
         let wi = [r * (2.0 * PI * b).cos(), r * (2.0 * PI * b).sin(), z].map(|x| f64::from(x as f32));
         let (value, pdf) = single.eval(wi);
         if count(&[value[0], value[1], value[2], pdf], "a value", place, numbers) {
-            density += share(pdf);
+            density += share(pdf, false);
         }
         if let Some(exact) = exact {
             compare(&(value, pdf), &exact.eval(wi), place, &mut numbers.precision);
@@ -437,7 +441,7 @@ pub fn probe_scattering(
     numbers.gain.note(albedo.beyond_noise(1.0), place);
 }
 
-fn probe_loss(white: &dyn Scattering, place: &dyn Fn() -> String, numbers: &mut Numbers) {
+pub(super) fn probe_loss(white: &dyn Scattering, place: &dyn Fn() -> String, numbers: &mut Numbers) {
     let mut albedo = Albedo::default();
     for i in 0..DRAWS {
         let s = white.sample(point(CORNERS + i));

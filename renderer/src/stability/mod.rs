@@ -149,8 +149,8 @@ impl Report {
 }
 
 /// Largest relative difference between what a sample says and what `eval` says, double precision: rounding alone, magnified by the
-/// narrowest lobe (alpha 1e-4) and the least contrast of refraction (1e-4).
-pub const PDF_MISMATCH_MAX: f64 = 1e-4;
+/// narrowest lobe (alpha 1e-4) and the least contrast of refraction.
+pub const PDF_MISMATCH_MAX: f64 = 1e-6;
 /// Largest excess of the integral of a density: the noise of the estimate with the samples of one direction.
 pub const DENSITY_EXCESS_MAX: f64 = 0.04;
 /// Largest gain: a closed scene of sixteen bounces then stays within a fifth of the truth. The tables of albedos are made for 0.005.
