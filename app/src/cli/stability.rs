@@ -3,7 +3,7 @@
 use super::progress_line::ProgressLine;
 use super::scene_options::SceneOptions;
 use super::{CliError, Messages, Outcome, interrupt, print_out};
-use burnish_renderer::stability::{self, Case, Numbers, Report, Worst};
+use burnish_renderer::stability::{self, Case, Numbers, Progress, Report, Worst};
 use clap::Args;
 use serde_json::{Value, json};
 use std::sync::Mutex;
@@ -29,7 +29,7 @@ pub fn run(arguments: &StabilityArguments) -> Result<Outcome, CliError> {
     let cases = cases(arguments, &mut messages)?;
     let start = Instant::now();
     let line = Mutex::new(ProgressLine::new());
-    let reports = stability::run(&cases, arguments.scene.threads(), &|progress| {
+    let progress = |progress: &Progress| {
         let text = || {
             let failed = if progress.failed > 0 { format!(", {} do not hold", progress.failed) } else { String::new() };
             format!("{} of {} cases{failed}, {:.0} s left", progress.done, progress.total, progress.remaining_seconds)
@@ -37,8 +37,8 @@ pub fn run(arguments: &StabilityArguments) -> Result<Outcome, CliError> {
         if let Ok(mut line) = line.lock() {
             line.show(text);
         }
-        !interrupt::is_interrupted()
-    });
+    };
+    let reports = stability::run(&cases, arguments.scene.threads(), &progress, &interrupt::is_interrupted);
     if let Ok(mut line) = line.lock() {
         line.clear();
     }

@@ -89,18 +89,18 @@ fn point(i: usize) -> [f64; 4] {
 const CORNERS: usize = 16;
 
 /// Probes the material of every document object at all values it can reach.
-pub(super) fn probe_materials(scene: &Scene, prepared: &Prepared, numbers: &mut Numbers) {
+pub(super) fn probe_materials(scene: &Scene, prepared: &Prepared, numbers: &mut Numbers, cancel: &dyn Fn() -> bool) {
     let mut done: Vec<&Object> = Vec::new();
     for object in scene.objects.iter().filter(|object| object.is_document) {
         if done.iter().any(|o| Arc::ptr_eq(&o.material, &object.material) && Arc::ptr_eq(&o.textures, &object.textures)) {
             continue;
         }
         done.push(object);
-        probe_object(object, prepared, numbers);
+        probe_object(object, prepared, numbers, cancel);
     }
 }
 
-fn probe_object(object: &Object, prepared: &Prepared, numbers: &mut Numbers) {
+fn probe_object(object: &Object, prepared: &Prepared, numbers: &mut Numbers, cancel: &dyn Fn() -> bool) {
     let lobes = LobeSet::of(&object.material).union(evaluated_lobes(&object.material, LobeSet::EMPTY));
     let single = |inputs: &Inputs<f64>| inputs.convert(|x| f64::from(x as f32));
     let uniform = single(&object.material.inputs());
@@ -110,7 +110,7 @@ fn probe_object(object: &Object, prepared: &Prepared, numbers: &mut Numbers) {
     let has_loss = !lobes.has(Lobe::coat_normal_map);
     for (name, inputs) in reachable(object, &uniform) {
         let inputs = single(&inputs);
-        probe_inputs(&inputs, lobes, &albedos, object.length_scale, &name, has_loss, numbers);
+        probe_inputs(&inputs, lobes, &albedos, object.length_scale, &name, has_loss, numbers, cancel);
     }
 }
 
@@ -219,6 +219,7 @@ fn texel_range(property: Property, reference: &TextureRef, image: &Image) -> [[f
 }
 
 /// Probes one set of values.
+#[expect(clippy::too_many_arguments, reason = "called once; a struct would only rename the arguments")]
 fn probe_inputs(
     inputs: &Inputs<f64>,
     lobes: LobeSet,
@@ -227,6 +228,7 @@ fn probe_inputs(
     name: &str,
     has_loss: bool,
     numbers: &mut Numbers,
+    cancel: &dyn Fn() -> bool,
 ) {
     let prefix = if name.is_empty() { String::new() } else { format!("{name}, ") };
     let inputs32 = inputs.convert(|x| x as f32);
@@ -254,6 +256,9 @@ fn probe_inputs(
     for side in sides {
         for mu in COSINES {
             for azimuth in azimuths {
+                if cancel() {
+                    return;
+                }
                 for coat_normal in normals {
                     for wavelength in wavelengths {
                         let s = (1.0 - mu * mu).max(0.0).sqrt();

@@ -247,7 +247,7 @@ pub fn probe(case: &Case, previous: &mut Option<Prepared>, cancel: &(dyn Fn() ->
     let start = Instant::now();
     let mut numbers = Numbers::default();
     let prepared = Prepared::new(&case.scene, previous.as_ref());
-    lobes::probe_materials(&case.scene, &prepared, &mut numbers);
+    lobes::probe_materials(&case.scene, &prepared, &mut numbers, cancel);
     if cancel() {
         return None;
     }
@@ -271,9 +271,14 @@ pub struct Progress {
     pub remaining_seconds: f64,
 }
 
-/// Probes all cases on `threads` threads. `progress` is told after each case, from any thread, and returns false to cancel; then the
-/// result is `None`. Reports are in the order of the cases.
-pub fn run(cases: &[Case], threads: usize, progress: &(dyn Fn(&Progress) -> bool + Sync)) -> Option<Vec<Report>> {
+/// Probes all cases on `threads` threads. `progress` is told after each case, from any thread. `cancel` is asked every few dozen milliseconds;
+/// once it holds, the result is `None`. Reports are in the order of the cases.
+pub fn run(
+    cases: &[Case],
+    threads: usize,
+    progress: &(dyn Fn(&Progress) + Sync),
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Report>> {
     let start = Instant::now();
     let next = AtomicUsize::new(0);
     let is_cancelled = AtomicBool::new(false);
@@ -284,7 +289,10 @@ pub fn run(cases: &[Case], threads: usize, progress: &(dyn Fn(&Progress) -> bool
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(case) = cases.get(number) else { break };
-            let Some(report) = probe(case, &mut previous, &|| is_cancelled.load(Ordering::Relaxed)) else { break };
+            let Some(report) = probe(case, &mut previous, cancel).filter(|_| !cancel()) else {
+                is_cancelled.store(true, Ordering::Relaxed);
+                break;
+            };
             // Both locks guard single assignments, so what they guard is whole even after a panic elsewhere.
             let mut counts = counts.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             counts.0 += 1;
@@ -293,9 +301,7 @@ pub fn run(cases: &[Case], threads: usize, progress: &(dyn Fn(&Progress) -> bool
             let seconds = start.elapsed().as_secs_f64();
             let remaining_seconds = seconds / counts.0 as f64 * (cases.len() - counts.0) as f64;
             let now = Progress { done: counts.0, total: cases.len(), failed: counts.1, seconds, remaining_seconds };
-            if !progress(&now) {
-                is_cancelled.store(true, Ordering::Relaxed);
-            }
+            progress(&now);
             if is_cancelled.load(Ordering::Relaxed) {
                 break;
             }

@@ -15,7 +15,7 @@ fn show_the_suite() {
     let cases = suite();
     println!("{} cases", cases.len());
     let start = Instant::now();
-    let reports = run(&cases, 2, &|_| true).expect("nobody cancels");
+    let reports = run(&cases, 2, &|_| (), &|| false).expect("nobody cancels");
     println!("{:.1} s", start.elapsed().as_secs_f64());
     for r in &reports {
         let n = &r.numbers;
@@ -189,15 +189,15 @@ fn runs_report_progress_and_can_be_cancelled() {
     let stage = Stage::new();
     let cases: Vec<Case> = (0..4).map(|i| stage.case(format!("case {i}"), material(&[]))).collect();
     let done = AtomicUsize::new(0);
-    let reports = run(&cases, 2, &|p| {
+    let progress = |p: &Progress| {
         assert!(p.done <= p.total && p.remaining_seconds >= 0.0);
         done.fetch_add(1, Ordering::Relaxed);
-        true
-    });
+    };
+    let reports = run(&cases, 2, &progress, &|| false);
     let names: Vec<String> = reports.expect("nobody cancels").into_iter().map(|r| r.name).collect();
     assert_eq!(names, ["case 0", "case 1", "case 2", "case 3"]);
     assert_eq!(done.into_inner(), 4);
-    assert_eq!(run(&cases, 2, &|_| false), None);
+    assert_eq!(run(&cases, 2, &|_| (), &|| true), None);
 }
 
 #[test]
