@@ -9,13 +9,14 @@ use crate::editor::{Document, Editor, ViewMode};
 use crate::history::History;
 use crate::live_final::LiveFinal;
 use crate::live_preview::{LivePreview, REST};
+use crate::live_stability::LiveStability;
 use crate::loading::{Job, Loader};
 use crate::panels::messages::Messages;
 use crate::panels::presets::PresetPanel;
 use crate::panels::properties::PropertyPanel;
 use crate::panels::status::{self, Status};
 use crate::panels::viewport::{self, Layout, Picture, Wish};
-use crate::panels::{chart, hold};
+use crate::panels::{chart, hold, stability};
 use crate::theme;
 use crate::widgets::value_edit::RowAction;
 use burnish_assets::{ENVIRONMENTS, Environment, SHAPES};
@@ -59,6 +60,7 @@ pub struct App {
     dialogs: Box<dyn Dialogs>,
     preview: LivePreview,
     final_view: Option<LiveFinal>,
+    stability: Option<LiveStability>,
     sent: Option<Sent>,
     /// Size of one picture in pixels, from the last frame.
     picture_size: (usize, usize),
@@ -107,6 +109,7 @@ impl App {
             dialogs,
             preview,
             final_view: None,
+            stability: None,
             sent: None,
             picture_size: (0, 0),
             last_input: Instant::now(),
@@ -199,6 +202,7 @@ impl App {
         Panel::bottom("lobes").frame(bar(Margin::symmetric(8, 5))).show(ui, |ui| {
             status::lobe_strip(ui, LobeSet::of(&self.editor.document.material));
         });
+        self.stability_panel(ui, &ctx);
         CentralPanel::no_frame().show(ui, |ui| {
             let (_, layout) = viewport::interact(ui, &mut self.editor);
             let scale = ctx.pixels_per_point();
@@ -208,6 +212,23 @@ impl App {
             self.pictures(ui, layout);
             self.messages.show(ui, layout.all);
         });
+    }
+
+    fn stability_panel(&mut self, ui: &mut Ui, ctx: &egui::Context) {
+        if !self.editor.view.is_stability_shown {
+            if let Some(stability) = &mut self.stability {
+                stability.forget();
+            }
+            return;
+        }
+        let live = self.stability.get_or_insert_with(|| LiveStability::new(ctx.clone()));
+        let document = &self.editor.document;
+        let state = live.update(ctx, &document.material, &document.textures, || self.editor.scene(1.0));
+        let frame = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(8, 5));
+        let panel = Panel::bottom("stability").default_size(150.0).size_range(60.0..=400.0).frame(frame);
+        if let Some(fix) = panel.show(ui, |ui| hold(ui, |ui| stability::show(ui, &state))).inner {
+            self.apply_fix(&fix);
+        }
     }
 
     /// The one place where edits leave the document: history, preview and final view are told, in this order.

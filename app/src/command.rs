@@ -51,6 +51,8 @@ pub enum Command {
     TogglePanels,
     /// Show or hide the error chart.
     ToggleChart,
+    /// Shows or hides the stability report.
+    ToggleStability,
 }
 
 /// A menu of the menu bar.
@@ -74,7 +76,7 @@ const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 impl Command {
     /// All commands in menu order.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::New,
         Self::Open,
         Self::Save,
@@ -97,6 +99,7 @@ impl Command {
         Self::ExposureDown,
         Self::TogglePanels,
         Self::ToggleChart,
+        Self::ToggleStability,
     ];
 
     /// What the menu says.
@@ -124,6 +127,7 @@ impl Command {
             Self::ExposureDown => "Darker",
             Self::TogglePanels => "Side panels",
             Self::ToggleChart => "Error chart",
+            Self::ToggleStability => "Stability report",
         }
     }
 
@@ -152,6 +156,7 @@ impl Command {
             Self::ExposureDown => "A third of a stop less exposure.",
             Self::TogglePanels => "Show or hide the presets and the properties.",
             Self::ToggleChart => "Show or hide the estimated error over time.",
+            Self::ToggleStability => "Probe the material at extremes: non-finite values, lost or gained light, time.",
         }
     }
 
@@ -180,6 +185,7 @@ impl Command {
             Self::ExposureDown => const { &[keys(Modifiers::NONE, Key::OpenBracket)] },
             Self::TogglePanels => const { &[keys(Modifiers::NONE, Key::H)] },
             Self::ToggleChart => const { &[keys(Modifiers::NONE, Key::G)] },
+            Self::ToggleStability => const { &[keys(Modifiers::NONE, Key::T)] },
             Self::LoadModel | Self::LoadEnvironment | Self::ResetAll => &[],
         }
     }
@@ -206,7 +212,8 @@ impl Command {
             | Self::ExposureUp
             | Self::ExposureDown
             | Self::TogglePanels
-            | Self::ToggleChart => Menu::View,
+            | Self::ToggleChart
+            | Self::ToggleStability => Menu::View,
         }
     }
 

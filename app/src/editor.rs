@@ -244,6 +244,8 @@ pub struct View {
     pub stop: StopRules,
     /// Whether the error-over-time chart is shown with the final view.
     pub is_chart_shown: bool,
+    /// Whether the stability report is made and shown.
+    pub is_stability_shown: bool,
     /// Whether the side panels are shown.
     pub are_panels_shown: bool,
 }
@@ -258,6 +260,7 @@ impl Default for View {
             // A still picture on a busy machine should end by itself; 0.5 % error is below what the eye sees.
             stop: StopRules { spp: Some(4096), seconds: None, relmse: Some(0.005 * 0.005) },
             is_chart_shown: true,
+            is_stability_shown: false,
             are_panels_shown: true,
         }
     }

@@ -13,6 +13,7 @@ pub mod files;
 pub mod history;
 pub mod live_final;
 pub mod live_preview;
+pub mod live_stability;
 pub mod loading;
 pub mod panels;
 pub mod scene_file;

@@ -38,12 +38,18 @@ pub struct LobeDef {
     pub doc: &'static str,
 }
 
+/// The value that renderers use for what a file holds: the default where that is not a number.
+fn number(m: &Material, property: Property) -> f64 {
+    let value = m.float(property);
+    if let (true, Value::Float(default)) = (value.is_nan(), property.def().default) { default } else { value }
+}
+
 fn above(m: &Material, property: Property, limit: f64) -> bool {
-    m.is_textured(property) || m.float(property) > limit
+    m.is_textured(property) || number(m, property) > limit
 }
 
 fn below(m: &Material, property: Property, limit: f64) -> bool {
-    m.is_textured(property) || m.float(property) < limit
+    m.is_textured(property) || number(m, property) < limit
 }
 
 fn not_white(m: &Material, property: Property) -> bool {
@@ -71,7 +77,7 @@ lobes! {
     metal, "HAS_METAL", [], |m| above(m, Property::metallic, 0.0);
     /// Reflection of the dielectric; out when fully metallic, or without a contrast of refraction.
     specular, "HAS_SPECULAR", [specular_level], |m| {
-        is_dielectric(m) && above(m, Property::specular_level, 0.0) && (m.float(Property::specular_ior) != 1.0 || above(m, Property::coat, 0.0))
+        is_dielectric(m) && above(m, Property::specular_level, 0.0) && (number(m, Property::specular_ior) != 1.0 || above(m, Property::coat, 0.0))
     };
     /// Diffuse reflection; out when fully metallic or fully translucent.
     diffuse, "HAS_DIFFUSE", [], |m| is_dielectric(m) && below(m, Property::translucency, 1.0);
@@ -84,30 +90,30 @@ lobes! {
     /// Dielectric layer above everything; out while its opacity is 0.
     coat, "HAS_COAT", [coat_color, coat_roughness, coat_ior, coat_specular_level, coat_normal, coat_normal_scale], |m| above(m, Property::coat, 0.0);
     /// Emitted light; out while emission is 0 or its colour black.
-    emission, "HAS_EMISSION", [emission_color], |m| m.float(Property::emission) > 0.0 && not_black(m, Property::emission_color);
+    emission, "HAS_EMISSION", [emission_color], |m| number(m, Property::emission) > 0.0 && not_black(m, Property::emission_color);
     /// Cut-through; out while opacity is 1.
     opacity, "HAS_OPACITY", [], |m| below(m, Property::opacity, 1.0);
     /// Colour by distance or at the crossings; out without an interior or with a white absorption colour.
     absorption, "HAS_ABSORPTION", [], |m| has_interior(m) && not_white(m, Property::absorption_color)
-        && (m.float(Property::absorption_distance) > 0.0 || transmits(m));
+        && (number(m, Property::absorption_distance) > 0.0 || transmits(m));
     /// Scattering in the body; out while scatter is off or nothing lets light in.
     scattering, "HAS_SCATTERING", [scatter_color, scatter_distance, scatter_distance_scale, scatter_red_shift, scatter_rayleigh],
         |m| m.switch(Property::scatter) && has_interior(m);
     /// Wavelength-dependent refraction; out while dispersion is 0 or nothing refracts.
-    dispersion, "HAS_DISPERSION", [], |m| m.float(Property::dispersion) > 0.0 && transmits(m) && m.float(Property::specular_ior) != 1.0;
+    dispersion, "HAS_DISPERSION", [], |m| number(m, Property::dispersion) > 0.0 && transmits(m) && number(m, Property::specular_ior) != 1.0;
     /// Normal map of the surface; out without a map or at scale 0.
     normal_map, "HAS_NORMAL_MAP", [normal_scale], |m| {
-        (m.is_textured(Property::normal) || m.color(Property::normal) != [0.0, 0.0, 1.0]) && m.float(Property::normal_scale) > 0.0
+        (m.is_textured(Property::normal) || m.color(Property::normal) != [0.0, 0.0, 1.0]) && number(m, Property::normal_scale) > 0.0
     };
     /// Normal map of the coat; out without a coat, a map or at scale 0.
     coat_normal_map, "HAS_COAT_NORMAL_MAP", [coat_normal_scale], |m| {
         above(m, Property::coat, 0.0)
             && (m.is_textured(Property::coat_normal) || m.color(Property::coat_normal) != [0.0, 0.0, 1.0])
-            && m.float(Property::coat_normal_scale) > 0.0
+            && number(m, Property::coat_normal_scale) > 0.0
     };
     /// Displacement or bump; out without a height map or at scale 0.
     height, "HAS_HEIGHT", [height_scale, height_level, combine_normal_and_height], |m| {
-        (m.is_textured(Property::height) || m.float(Property::height) != m.float(Property::height_level)) && m.float(Property::height_scale) != 0.0
+        (m.is_textured(Property::height) || number(m, Property::height) != number(m, Property::height_level)) && number(m, Property::height_scale) != 0.0
     };
     /// Image textures; out while every value is uniform.
     textures, "HAS_TEXTURES", [], |m| m.slots().any(|(_, slot)| slot.texture.is_some());

@@ -9,6 +9,7 @@ pub mod lanes;
 pub mod path;
 pub mod preview;
 pub mod scene;
+pub mod stability;
 pub mod tonemap;
 pub mod vector;
 pub mod worker;

@@ -43,7 +43,8 @@ fn random_view<L: Lanes>(i: usize, material: &Material, mu: f64) -> View<L> {
     if material.float(Property::dispersion) > 0.0 {
         let nm = spectrum().wavelength(r.unit());
         let is_dispersed = <L::Mask as Mask>::splat(r.chance(0.5));
-        view.light = Some(Wavelength { nm: L::of(nm), weights: Rgb(spectrum().weights(nm).map(|w| L::of(f64::from(w)))), is_dispersed });
+        view.light =
+            Some(Wavelength { nm: L::of(nm), weights: Rgb(spectrum().weights(nm).map(|w| L::of(f64::from(w)))), is_dispersed });
     }
     view
 }
@@ -194,7 +195,15 @@ fn tail(chi_square: f64, freedom: f64) -> f64 {
     // Complementary error function after Numerical Recipes: relative error below 1.2e-7.
     let t = 1.0 / (1.0 + 0.5 * z.abs());
     let k = [
-        0.170_872_77, -0.822_152_23, 1.488_515_87, -1.135_203_98, 0.278_868_07, -0.186_288_06, 0.096_784_18, 0.374_091_96, 1.000_023_68,
+        0.170_872_77,
+        -0.822_152_23,
+        1.488_515_87,
+        -1.135_203_98,
+        0.278_868_07,
+        -0.186_288_06,
+        0.096_784_18,
+        0.374_091_96,
+        1.000_023_68,
     ];
     let poly = k.iter().fold(0.0, |sum, k| sum * t + k);
     let erfc = t * (-z * z - 1.265_512_23 + t * poly).exp();

@@ -125,8 +125,14 @@ fn stretched_albedos_are_their_own() {
         for (mu, phi) in [(1.0, 0.0), (0.5, 0.1), (0.5, 1.5), (0.1, 0.8)] {
             let bsdf = surface.bsdf(&View::new(direction(mu, phi)));
             let n = 32768;
-            let sum: f64 = (0..n).map(|i| bsdf.sample([0, 1, 2, 3].map(|d| unit(i, d)))).filter(|s| s.is_valid).map(|s| s.weight.0[0]).sum();
-            close(&format!("furnace, metal {metal}, anisotropy {stretch}, cosine {mu}, azimuth {phi}"), sum / n as f64, 1.0, 3e-3);
+            let sum: f64 =
+                (0..n).map(|i| bsdf.sample([0, 1, 2, 3].map(|d| unit(i, d)))).filter(|s| s.is_valid).map(|s| s.weight.0[0]).sum();
+            close(
+                &format!("furnace, metal {metal}, anisotropy {stretch}, cosine {mu}, azimuth {phi}"),
+                sum / n as f64,
+                1.0,
+                3e-3,
+            );
         }
     }
 }

@@ -17,12 +17,18 @@ fn timing() {
         ("glass rough map", &[(translucency, 1.0)], &[roughness]),
         ("metal aniso rough+aniso map", &[(metallic, 1.0), (anisotropy, 0.5)], &[roughness, anisotropy]),
         ("all, 3 maps", &[(metallic, 0.5), (translucency, 0.5), (coat, 1.0)], &[roughness, specular_level, coat]),
-        ("all aniso, 4 maps", &[(metallic, 0.5), (translucency, 0.5), (coat, 1.0), (anisotropy, 0.5)], &[roughness, specular_level, coat, anisotropy]),
+        (
+            "all aniso, 4 maps",
+            &[(metallic, 0.5), (translucency, 0.5), (coat, 1.0), (anisotropy, 0.5)],
+            &[roughness, specular_level, coat, anisotropy],
+        ),
         ("glass dispersion", &[(translucency, 1.0), (dispersion, 2.0)], &[]),
     ];
     for (name, values, varying) in sets {
         let mut m = material(&[(roughness, f(0.37))]);
-        for (p, x) in *values { m.set(*p, f(*x)); }
+        for (p, x) in *values {
+            m.set(*p, f(*x));
+        }
         let lobes = LobeSet::of(&m);
         let mut best = f64::MAX;
         let mut words = 0;

@@ -12,6 +12,7 @@ use crate::panels::viewport;
 use burnish_assets::{is_environment_path, is_image_path, is_model_path};
 use burnish_material::{Material, MaterialFile, Property, Slot, TextureRef};
 use burnish_presets::Preset;
+use burnish_renderer::stability::Fix;
 use egui::{Context, Modal, ViewportCommand};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -86,7 +87,16 @@ impl App {
             Command::ExposureDown => view.display.exposure_ev = third(view.display.exposure_ev - EXPOSURE_STEP),
             Command::TogglePanels => view.are_panels_shown = !view.are_panels_shown,
             Command::ToggleChart => view.is_chart_shown = !view.is_chart_shown,
+            Command::ToggleStability => view.is_stability_shown = !view.is_stability_shown,
         }
+    }
+
+    /// Makes the changes of a fix as one step of its name.
+    pub(super) fn apply_fix(&mut self, fix: &Fix) {
+        self.history.settle();
+        fix.apply(&mut self.editor.document.material);
+        self.history.commit(fix.name.as_str(), &self.editor.document);
+        self.messages.info(format!("{}; undo takes it back.", fix.name));
     }
 
     fn return_to(&mut self, document: Document, info: String) {

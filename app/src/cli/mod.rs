@@ -4,13 +4,17 @@
 //! Exit codes: 0 done, 1 findings, 2 unusable input or arguments, 130 interrupted.
 
 pub mod check;
+pub mod features;
 mod interrupt;
 mod material_argument;
 pub mod presets;
+mod progress_line;
 pub mod render;
 pub mod scene_options;
 mod set;
+pub mod stability;
 mod suggest;
+mod switches;
 mod window;
 
 use clap::{Parser, Subcommand};
@@ -20,8 +24,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] =
-    &["converge", "compare", "parity", "features", "stability", "diff", "convert", "shader", "library", "turntable"];
+const LATER_COMMANDS: &[&str] = &["converge", "compare", "parity", "diff", "convert", "shader", "library", "turntable"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -46,6 +49,10 @@ enum Command {
     Presets(presets::PresetsArguments),
     /// Checks material files, or all in a folder: whether they can be read, and ranges
     Check(check::CheckArguments),
+    /// Reports which lobes a material needs, and what leaving out the others saves
+    Features(Box<features::FeaturesArguments>),
+    /// Probes materials numerically at extremes; without one, the built-in suite
+    Stability(Box<stability::StabilityArguments>),
 }
 
 /// How a command ended that did what it was asked to do.
@@ -120,7 +127,7 @@ pub fn main() -> ExitCode {
         && !Path::new(word).exists()
     {
         return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, presets, check or files to open"
+            "`{word}` is not in this version; expected render, presets, check, features, stability or files to open"
         ))));
     }
     let arguments = match Arguments::try_parse_from(words) {
@@ -137,6 +144,8 @@ pub fn main() -> ExitCode {
                 Command::Render(arguments) => render::run(&arguments),
                 Command::Presets(arguments) => presets::run(&arguments),
                 Command::Check(arguments) => check::run(&arguments),
+                Command::Features(arguments) => features::run(&arguments),
+                Command::Stability(arguments) => stability::run(&arguments),
             }
         }
     })

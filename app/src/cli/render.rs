@@ -3,6 +3,7 @@
 //! Stop rules work together, the first to hit wins; with none given, 256 samples per pixel are taken.
 
 use super::material_argument::LoadedMaterial;
+use super::progress_line::ProgressLine;
 use super::scene_options::{LoadedScene, SceneOptions, positive};
 use super::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::export::{self, Format, Layer, LayerKind, Picture};
@@ -15,7 +16,6 @@ use clap::Args;
 use egui_wgpu::wgpu;
 use glam::Vec3;
 use serde_json::{Value, json};
-use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -414,41 +414,6 @@ fn error_text(error: &ErrorEstimate) -> String {
 fn progress_text(progress: &Progress<'_>) -> String {
     let error = progress.error.as_ref().map_or_else(String::new, |error| format!(", {}", error_text(error)));
     format!("{} spp in {:.1} s{error}", progress.film.spp(), progress.seconds)
-}
-
-/// One line on standard error that is written over again and again; nothing where that is no terminal.
-struct ProgressLine {
-    is_terminal: bool,
-    last: Option<Instant>,
-    width: usize,
-}
-
-impl ProgressLine {
-    fn new() -> Self {
-        Self { is_terminal: std::io::stderr().is_terminal(), last: None, width: 0 }
-    }
-
-    /// Shows a text, at most ten times a second.
-    fn show(&mut self, text: impl FnOnce() -> String) {
-        if !self.is_terminal || self.last.is_some_and(|last| last.elapsed().as_millis() < 100) {
-            return;
-        }
-        self.last = Some(Instant::now());
-        self.write(&text());
-    }
-
-    fn clear(&mut self) {
-        if self.width > 0 {
-            self.write("");
-            self.write("");
-        }
-    }
-
-    fn write(&mut self, text: &str) {
-        // A terminal that has gone away must not stop the work.
-        let _ = write!(std::io::stderr(), "\r{text:<width$}", width = self.width);
-        self.width = text.chars().count();
-    }
 }
 
 /// Most memory this process has held, where the system tells (Linux).

@@ -4,6 +4,7 @@ pub mod chart;
 pub mod messages;
 pub mod presets;
 pub mod properties;
+pub mod stability;
 pub mod status;
 pub mod viewport;
 

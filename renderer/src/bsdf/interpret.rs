@@ -14,6 +14,10 @@ const ABSORPTION_COLOR_MIN: f64 = 1e-3;
 /// Smallest length in scene units. Model reference 10.2.
 const LENGTH_MIN: f64 = 1e-6;
 
+/// Contrast of refraction below which light passes straight on.
+const MATCHED_CONTRAST: f64 = 1e-6;
+/// Smallest other contrast: half vectors made from it err by about 1 % of the narrowest lobe in single precision.
+const CONTRAST_MIN: f64 = 5e-4;
 /// Smallest channel of the distance scale, and smallest ratio of albedos between channels. Model reference 10.2.
 const SCATTER_RATIO_MIN: f64 = 1e-3;
 /// Largest dispersion: an Abbe number of 1.
@@ -114,8 +118,10 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
     let roughness = inputs.roughness.sat();
     let anisotropy = if lobes.has(Lobe::anisotropy) { inputs.anisotropy.sat() } else { L::zero() };
     let (alpha_x, alpha_y, is_smooth) = alphas(roughness, anisotropy);
+    // Whole turns go first: times 2 pi, those of an image of large texels would leave no digits.
+    let turn = inputs.anisotropy_rotation - inputs.anisotropy_rotation.floor();
     let (rotation_sin, rotation_cos) =
-        if lobes.has(Lobe::anisotropy) { (L::of(2.0 * PI) * inputs.anisotropy_rotation).sin_cos() } else { (L::zero(), one) };
+        if lobes.has(Lobe::anisotropy) { (L::of(2.0 * PI) * turn).sin_cos() } else { (L::zero(), one) };
 
     let coat = if lobes.has(Lobe::coat) { inputs.coat.sat() } else { L::zero() };
     let ior = inputs.specular_ior.max(L::of(1e-3));
@@ -130,11 +136,13 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
     } else {
         eta
     };
-    let is_matched = eta.eq(one);
+    // The same in every precision: tables are made in double, pictures in single.
+    let is_matched = (eta - one).abs().lt(L::of(MATCHED_CONTRAST));
+    let eta = L::select(is_matched, one, eta);
     // A half vector needs some contrast: nearly matched media are moved to the smallest that single precision holds.
     let contrast = (eta - one).abs();
-    let eta_apart = L::select(eta.lt(one), L::of(1.0 - 1e-4), L::of(1.0 + 1e-4));
-    let eta = L::select(contrast.lt(L::of(1e-4)) & !is_matched, eta_apart, eta);
+    let eta_apart = L::select(eta.lt(one), L::of(1.0 - CONTRAST_MIN), L::of(1.0 + CONTRAST_MIN));
+    let eta = L::select(contrast.lt(L::of(CONTRAST_MIN)) & !is_matched, eta_apart, eta);
 
     let coat_tint = Rgb(inputs.coat_color.map(|c| one.lerp(c.sat(), coat)));
     let coat_roughness = inputs.coat_roughness.sat();

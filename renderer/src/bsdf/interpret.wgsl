@@ -5,6 +5,10 @@
 const ABSORPTION_COLOR_MIN: f32 = 1e-3;
 // Smallest length in scene units. Model reference 10.2.
 const LENGTH_MIN: f32 = 1e-6;
+// Contrast of refraction below which light passes straight on.
+const MATCHED_CONTRAST: f32 = 1e-6;
+// Smallest other contrast: half vectors made from it err by about 1 % of the narrowest lobe in single precision.
+const CONTRAST_MIN: f32 = 5e-4;
 // Smallest channel of the distance scale, and smallest ratio of albedos between channels. Model reference 10.2.
 const SCATTER_RATIO_MIN: f32 = 1e-3;
 // Largest dispersion: an Abbe number of 1.
@@ -70,8 +74,10 @@ fn interpret(inputs: Inputs, length_scale: f32) -> Optics {
     var rotation_cos = 1.0;
     var rotation_sin = 0.0;
     if HAS_ANISOTROPY {
-        rotation_cos = cos(2.0 * PI * inputs.anisotropy_rotation);
-        rotation_sin = sin(2.0 * PI * inputs.anisotropy_rotation);
+        // Whole turns go first: times 2 pi, those of an image of large texels would leave no digits.
+        let turn = inputs.anisotropy_rotation - floor(inputs.anisotropy_rotation);
+        rotation_cos = cos(2.0 * PI * turn);
+        rotation_sin = sin(2.0 * PI * turn);
     }
 
     let coat = select(0.0, saturate(inputs.coat), HAS_COAT);
@@ -86,11 +92,11 @@ fn interpret(inputs: Inputs, length_scale: f32) -> Optics {
         let f0 = mix(f0_from_ior(ior), f0_from_ior(ior / coat_ior), coat) * 2.0 * level;
         eta_specular = select(eta_apart_from_level, ior_from_f0(f0), coat > 0.0);
     }
-    let is_matched = eta_apart_from_level == 1.0;
+    let is_matched = abs(eta_apart_from_level - 1.0) < MATCHED_CONTRAST;
     // A half vector needs some contrast: nearly matched media are moved to the smallest that single precision holds.
     let contrast = abs(eta_apart_from_level - 1.0);
-    let eta_apart = select(1.0 + 1e-4, 1.0 - 1e-4, eta_apart_from_level < 1.0);
-    let eta = select(eta_apart_from_level, eta_apart, contrast < 1e-4 && !is_matched);
+    let eta_apart = select(1.0 + CONTRAST_MIN, 1.0 - CONTRAST_MIN, eta_apart_from_level < 1.0);
+    let eta = select(select(eta_apart_from_level, eta_apart, contrast < CONTRAST_MIN), 1.0, is_matched);
 
     let coat_tint = mix(vec3f(1.0), saturate(inputs.coat_color), coat);
     let coat_roughness = saturate(inputs.coat_roughness);

@@ -200,6 +200,11 @@ impl Prepared {
         self.surfaces.iter().fold(LobeSet::EMPTY, |set, s| set.union(s.lobes))
     }
 
+    /// Tables of the albedos of all materials.
+    pub(crate) fn albedos(&self) -> impl Iterator<Item = &Arc<Albedos>> {
+        self.surfaces.iter().map(|s| &s.albedos)
+    }
+
     /// Buffers for one thread.
     pub(super) fn take_batch(&self) -> Batch {
         self.pool.lock().ok().and_then(|mut pool| pool.pop()).unwrap_or_default()

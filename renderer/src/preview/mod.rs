@@ -26,6 +26,7 @@
 mod albedos;
 mod bake;
 mod bake_job;
+mod cost;
 mod device;
 mod environment;
 mod floor;
@@ -82,6 +83,8 @@ pub struct Preview {
     steps: u32,
     /// The picture in the mean was drawn with a pipeline that did not fit.
     is_provisional: bool,
+    /// Lobes that are evaluated although the edited material does not need them.
+    more: LobeSet,
     first: First,
     error: Option<PreviewError>,
 }
@@ -173,6 +176,7 @@ impl Preview {
             targets: None,
             steps: 0,
             is_provisional: false,
+            more: LobeSet::EMPTY,
             first: First::on(device),
             error: None,
         })
@@ -380,9 +384,7 @@ impl Preview {
             std::thread::sleep(std::time::Duration::from_millis(2));
             self.take_finished(device, queue)?;
         }
-        for kind in self.objects.iter().map(Drawn::kind).collect::<Vec<_>>() {
-            self.pipelines.for_lobes(device, kind, true)?;
-        }
+        self.compile(device)?;
         self.baker.wait();
         for _ in 0..frames.max(1) {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("preview") });

@@ -1,6 +1,5 @@
 //! Taking a scene: finds what changed since the last one and uploads only that.
 
-use super::albedos::drawn_lobes;
 use super::device::PreviewError;
 use super::environment::{self, Prefiltered};
 use super::{Drawn, Light, Preview, Stage, floor, upload};
@@ -174,7 +173,7 @@ impl Preview {
         previous: Option<Drawn>,
     ) -> Result<Drawn, PreviewError> {
         let block = upload::object_block(object, begin);
-        let (lobes, albedos) = (drawn_lobes(&object.material), albedos.clone());
+        let (lobes, albedos) = (self.lobes_of(object), albedos.clone());
         if let Some(mut drawn) = previous {
             queue.write_buffer(&drawn.block, 0, bytemuck::bytes_of(&block));
             let slots = |o: &Object| o.material.slots().map(|(_, s)| s.texture.clone()).collect::<Vec<_>>();
