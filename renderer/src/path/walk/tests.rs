@@ -19,6 +19,8 @@ struct Slab {
 impl Boundary for Slab {
     fn hit(&self, p: DVec3, d: Vec3, t_max: f32) -> Hit {
         let dz = f64::from(d.z);
+        let tolerance = 1e-4 + 1e-6 * self.depth;
+        assert!(p.z < tolerance && p.z > -self.depth - tolerance, "a walk left the slab unnoticed: {p}");
         let (t, triangle) = if dz > 0.0 { (-p.z / dz, 0) } else { (-(p.z + self.depth) / dz, 1) };
         // Flights along the planes never arrive.
         if dz != 0.0 && t < f64::from(t_max) { Hit { t: t.max(0.0) as f32, triangle, u: 0.0, v: 0.0 } } else { Hit::MISS }
@@ -43,6 +45,7 @@ impl Boundary for Ball {
     fn hit(&self, p: DVec3, d: Vec3, t_max: f32) -> Hit {
         let d = d.as_dvec3();
         let (b, c) = (p.dot(d), p.length_squared() - 1.0);
+        assert!(c < 1e-5, "a walk left the ball unnoticed: {p}");
         let root = (b * b - d.length_squared() * c).max(0.0).sqrt();
         let t = if b > 0.0 { -c / (b + root) } else { root - b };
         if t < f64::from(t_max) { Hit { t: t.max(0.0) as f32, triangle: 0, u: 0.0, v: 0.0 } } else { Hit::MISS }

@@ -96,6 +96,10 @@ struct Dome;
 
 impl Boundary for Dome {
     fn hit(&self, p: DVec3, d: Vec3, t_max: f32) -> Hit {
+        // Whoever has left through the hole meets nothing more.
+        if p.length_squared() > 1.0 {
+            return Hit::MISS;
+        }
         let hit = Ball.hit(p, d, t_max);
         if p.z + f64::from(d.z) * f64::from(hit.t) > -0.2 { hit } else { Hit::MISS }
     }
