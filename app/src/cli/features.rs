@@ -165,7 +165,7 @@ impl<'a> Meter<'a> {
 
     /// Cost of evaluating these lobes as well.
     fn cost(&mut self, more: LobeSet, repeats: usize) -> Result<Cost, CliError> {
-        let full = Prepared::with_lobes(&self.loaded.scene, Some(&self.pruned), more);
+        let full = Prepared::with_lobes(&self.loaded.scene, Some(&self.pruned), more, LobeSet::EMPTY);
         let mut ratios = Vec::new();
         let mut z = 0.0;
         for repeat in 0..repeats {

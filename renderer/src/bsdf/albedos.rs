@@ -105,9 +105,13 @@ impl Albedos {
         if let Some(fitting) = made.into_iter().find(|made| made.key == key) {
             return fitting.clone();
         }
-        let wants_glass = lobes.has(Lobe::transmission);
-        let wants_dielectric = lobes.has(Lobe::diffuse) || lobes.has(Lobe::specular) || wants_glass;
-        let wanted = Wanted { metal: lobes.has(Lobe::metal), dielectric: wants_dielectric, glass: wants_glass };
+        let transmits = lobes.has(Lobe::transmission);
+        let is_compensated = lobes.has(Lobe::multiple_scattering);
+        let wanted = Wanted {
+            metal: lobes.has(Lobe::metal) && is_compensated,
+            dielectric: lobes.has(Lobe::diffuse) || lobes.has(Lobe::specular) || transmits,
+            glass: transmits && is_compensated,
+        };
         let is_stretched = lobes.has(Lobe::anisotropy);
         let base = Grid::new(base_varies, is_stretched, wanted, |at: [Option<f64>; AXES]| {
             let mut inputs = *inputs;
@@ -204,8 +208,16 @@ fn varying(lobes: LobeSet, varies: impl Fn(Property) -> bool) -> [[bool; AXES]; 
 
 /// All that the tables depend on.
 fn key(i: &Inputs<f64>, lobes: LobeSet, base_varies: &[bool; AXES], coat_varies: &[bool; AXES]) -> Vec<u64> {
-    let relevant =
-        [Lobe::metal, Lobe::specular, Lobe::diffuse, Lobe::transmission, Lobe::anisotropy, Lobe::coat, Lobe::dispersion];
+    let relevant = [
+        Lobe::metal,
+        Lobe::specular,
+        Lobe::diffuse,
+        Lobe::transmission,
+        Lobe::multiple_scattering,
+        Lobe::anisotropy,
+        Lobe::coat,
+        Lobe::dispersion,
+    ];
     let mut key: Vec<u64> = relevant.iter().map(|lobe| u64::from(lobes.has(*lobe))).collect();
     key.extend(base_varies.iter().chain(coat_varies).map(|x| u64::from(*x)));
     let fixed = |value: f64, varies: bool| if varies { 0 } else { value.to_bits() };

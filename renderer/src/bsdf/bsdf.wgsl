@@ -95,14 +95,16 @@ fn bsdf_prepare(optics: Optics, view: View) -> Bsdf {
         let outside = select(optics_per_channel(optics, optics.eta_specular), vec3f(eta_specular), view.is_dispersed);
         let inside = select(optics_per_channel(optics, optics.eta), vec3f(eta_outside), view.is_dispersed);
         eta_channels = select(outside, 1.0 / inside, is_inside);
-        spectral = select(view.weights, vec3f(1.0), view.is_dispersed);
+        // Without dispersion after all (an image, or a kernel that leaves nothing out) light stays white.
+        let is_white = view.is_dispersed || optics.dispersion <= 0.0;
+        spectral = select(view.weights, vec3f(1.0), is_white);
     } else if HAS_DISPERSION {
         eta_channels = vec3f(select(optics.eta_specular, 1.0 / optics.eta, is_inside));
     }
     let eta = select(eta_outside, 1.0 / eta_outside, is_inside);
     let eta_fresnel = select(eta_specular, eta, is_inside);
     var glass_gain = 1.0;
-    if HAS_TRANSMISSION {
+    if HAS_TRANSMISSION && HAS_MULTIPLE_SCATTERING {
         let quantity = select(GLASS_KEPT, GLASS_KEPT_INSIDE, is_inside);
         glass_gain = 1.0 / max(grid_at(base, quantity, glass_place, slant), GLASS_KEPT_MIN);
     }
@@ -158,6 +160,8 @@ fn bsdf_prepare(optics: Optics, view: View) -> Bsdf {
     var metal_scale = vec3f(0.0);
     if HAS_METAL {
         reflected = f82_tint(mu, optics.base_color, optics.f82) * optics.w_metal;
+    }
+    if HAS_METAL && HAS_MULTIPLE_SCATTERING {
         let lost = grid_at(base, METAL_MISS, place, slant);
         let mean = max(grid_mean(base, METAL_MISS, place), 1e-9);
         let average = f82_average(optics.base_color, optics.f82);

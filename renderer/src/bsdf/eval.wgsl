@@ -86,14 +86,14 @@ fn bsdf_eval_reflection(b: Bsdf, wi: vec3f) -> BsdfValue {
         let p = b.p_interface * bsdf_p_reflect(b, facet.reflected, facet.transmitted);
         pdf = p * reflection_pdf(b.wo, d, b.bound, b.length_o);
     }
-    if HAS_DIFFUSE || HAS_METAL {
+    if HAS_DIFFUSE || (HAS_METAL && HAS_MULTIPLE_SCATTERING) {
         let grid = grid_base(o.albedos);
         let slant = grid_slant(grid, rotate_z(wi, o.rotation_cos, -o.rotation_sin));
         if HAS_DIFFUSE {
             let miss = grid_at(grid, DIELECTRIC_MISS, b.place, slant);
             base = base + o.base_color * (b.diffuse_scale * miss * wi.z);
         }
-        if HAS_METAL {
+        if HAS_METAL && HAS_MULTIPLE_SCATTERING {
             base = base + b.metal_scale * (grid_at(grid, METAL_MISS, b.place, slant) * wi.z);
         }
         pdf += b.p_diffuse * wi.z * FRAC_1_PI;

@@ -79,7 +79,7 @@ fn bsdf_sample(b: Bsdf, u: vec4f) -> BsdfSample {
         through_pdf = select(p * vndf_pdf(b.wo, cos_om, d, b.length_o) * jacobian, 0.0, is_straight);
     }
 
-    if HAS_DIFFUSE || HAS_METAL {
+    if HAS_DIFFUSE || (HAS_METAL && HAS_MULTIPLE_SCATTERING) {
         wi = select(wi, cosine_sample(u.y, u.z), is_diffuse);
     }
     if HAS_SHEEN {

@@ -74,7 +74,7 @@ impl Surface {
     fn new<'a>(
         object: &Object,
         relief: &Relief,
-        lobes: LobeSet,
+        lobes: impl Fn(&Material) -> LobeSet,
         scale: f64,
         sources: &mut Sources,
         albedos: impl IntoIterator<Item = &'a Arc<Albedos>>,
@@ -90,7 +90,7 @@ impl Surface {
             }),
             _ => None,
         };
-        let (lobes, textures) = (LobeSet::of(&object.material).union(lobes), Texture::all_of(object, sources));
+        let (lobes, textures) = (lobes(&object.material), Texture::all_of(object, sources));
         let varies = |property| textures.iter().any(|t| t.property == property);
         Self {
             albedos: Albedos::new(&inputs, lobes, varies, albedos),
@@ -133,12 +133,13 @@ impl Surface {
 impl Prepared {
     /// Prepares a scene. What is the same as in `previous` (by identity of the shared parts) is taken from there.
     pub fn new(scene: &Scene, previous: Option<&Self>) -> Self {
-        Self::with_lobes(scene, previous, LobeSet::EMPTY)
+        Self::with_lobes(scene, previous, LobeSet::EMPTY, LobeSet::EMPTY)
     }
 
-    /// The same with these lobes evaluated also where a material does not need them: the picture is the same, and shows what leaving them out
-    /// saves. [`LobeSet::all`] leaves nothing out.
-    pub fn with_lobes(scene: &Scene, previous: Option<&Self>, lobes: LobeSet) -> Self {
+    /// The same with other lobes than the materials need. `more` are evaluated as well: the picture is the same, and shows what leaving them
+    /// out saves; [`LobeSet::all`] leaves nothing out. `less` are left out also where they are needed: what they add to the picture.
+    pub fn with_lobes(scene: &Scene, previous: Option<&Self>, more: LobeSet, less: LobeSet) -> Self {
+        let lobes = |material: &Material| LobeSet::of(material).union(more).minus(less);
         let mut sources = previous.map(|p| p.sources.clone()).unwrap_or_default();
         let geometry = match previous {
             Some(p) if p.geometry.is_of(scene) => p.geometry.clone(),

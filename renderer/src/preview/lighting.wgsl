@@ -131,7 +131,7 @@ fn diffuse(b: Bsdf, light: vec3f) -> vec3f {
     if HAS_DIFFUSE {
         spread = b.optics.base_color * (b.diffuse_scale * grid_mean(base, DIELECTRIC_MISS, b.place));
     }
-    if HAS_METAL {
+    if HAS_METAL && HAS_MULTIPLE_SCATTERING {
         spread = spread + b.metal_scale * grid_mean(base, METAL_MISS, b.place);
     }
     var layers = b.below_coat;
@@ -201,7 +201,7 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
     wo = unit_or_z(vec3f(wo.xy, max(wo.z, 0.02)));
     let prepared = bsdf_prepare(optics, view_new(wo));
     var radiance = reflections(prepared, s, near_radiance);
-    if HAS_DIFFUSE || HAS_METAL {
+    if HAS_DIFFUSE || (HAS_METAL && HAS_MULTIPLE_SCATTERING) {
         radiance += diffuse(prepared, light);
     }
     if HAS_EMISSION {
