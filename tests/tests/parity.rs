@@ -221,7 +221,10 @@ fn the_whole_bsdf_agrees() {
             }
         }
     }
-    println!("{} queries, {compared} samples compared, {flipped} chose another lobe, largest difference {worst:?}", queries.len());
+    println!(
+        "{} queries, {compared} samples compared, {flipped} chose another lobe, largest difference {worst:?}",
+        queries.len()
+    );
     assert!(worst.0 <= LIMIT, "{worst:?}");
     assert!(compared > queries.len() / 2, "{compared} of {} samples were compared", queries.len());
     assert!(flipped * 200 < queries.len(), "{flipped} of {} samples chose another lobe", queries.len());
