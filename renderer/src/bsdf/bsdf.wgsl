@@ -39,6 +39,7 @@ struct Bsdf {
     is_below: bool,
     is_inside: bool,
     eta: f32,
+    contrast: f32,
     eta_fresnel: f32,
     eta_channels: vec3f,
     spectral: vec3f,
@@ -102,6 +103,7 @@ fn bsdf_prepare(optics: Optics, view: View) -> Bsdf {
         eta_channels = vec3f(select(optics.eta_specular, 1.0 / optics.eta, is_inside));
     }
     let eta = select(eta_outside, 1.0 / eta_outside, is_inside);
+    let contrast = select(eta_outside - 1.0, (1.0 - eta_outside) / eta_outside, is_inside);
     let eta_fresnel = select(eta_specular, eta, is_inside);
     var glass_gain = 1.0;
     if HAS_TRANSMISSION && HAS_MULTIPLE_SCATTERING {
@@ -195,6 +197,7 @@ fn bsdf_prepare(optics: Optics, view: View) -> Bsdf {
     b.is_below = is_below;
     b.is_inside = is_inside;
     b.eta = eta;
+    b.contrast = contrast;
     b.eta_fresnel = eta_fresnel;
     b.eta_channels = eta_channels;
     b.spectral = spectral;

@@ -140,19 +140,20 @@ impl<L: Lanes> Bsdf<'_, L> {
     fn eval_transmission(&self, wi: V3<L>) -> (Rgb<L>, L) {
         let o = self.optics;
         let zero = L::zero();
-        let sum = self.wo + wi.scale(self.eta);
+        // wo + eta wi, and its length in the place of cos_om + eta cos_im: nearly matched media leave no digits of either otherwise.
+        let sum = (self.wo + wi) + wi.scale(self.contrast);
         let sign = L::select(sum.z.lt(zero), -L::one(), L::one());
         let m = sum.scale(sign).normalize();
         let cos_om = self.wo.dot(m);
         let cos_im = wi.dot(m);
-        let denominator = cos_om + self.eta * cos_im;
+        let square = sum.length_squared();
         let is_possible =
-            cos_om.gt(zero) & cos_im.lt(zero) & m.z.gt(zero) & !o.is_smooth & !o.is_matched & denominator.abs().gt(L::of(1e-12));
+            cos_om.gt(zero) & cos_im.lt(zero) & m.z.gt(zero) & !o.is_smooth & !o.is_matched & square.gt(L::of(1e-24));
         let m_stretch = rotate_z(m, o.rotation_cos, -o.rotation_sin);
         let wi_stretch = rotate_z(wi, o.rotation_cos, -o.rotation_sin);
         let d = d_ggx(m_stretch, o.alpha_x, o.alpha_y);
         let pdf_m = vndf_pdf(self.wo, cos_om, d, self.length_o);
-        let jacobian = self.eta.sqr() * cos_im.abs() / denominator.sqr().max(L::of(1e-20));
+        let jacobian = self.eta.sqr() * cos_im.abs() / square.max(L::of(1e-20));
         let g1 = g1_smith(wi_stretch, smith_length(wi_stretch, o.alpha_x, o.alpha_y));
         let (reflected, transmitted) = self.interface(cos_om.max(zero).min(L::one()));
         let p = self.p_interface * (L::one() - self.p_reflect(reflected, transmitted));

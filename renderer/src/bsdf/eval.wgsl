@@ -133,23 +133,24 @@ fn bsdf_layers_across(b: Bsdf, wi: vec3f) -> vec3f {
 // `bsdf_eval` for directions across the surface, in the mirrored frame (`wi.z < 0`). Source: Walter et al. 2007.
 fn bsdf_eval_transmission(b: Bsdf, wi: vec3f) -> BsdfValue {
     let o = b.optics;
-    let sum = b.wo + wi * b.eta;
+    // wo + eta wi, and its length in the place of cos_om + eta cos_im: nearly matched media leave no digits of either otherwise.
+    let sum = (b.wo + wi) + wi * b.contrast;
     let sign = select(1.0, -1.0, sum.z < 0.0);
     let m = unit_or_z(sum * sign);
     let cos_om = dot(b.wo, m);
     let cos_im = dot(wi, m);
-    let denominator = cos_om + b.eta * cos_im;
+    let square = dot(sum, sum);
     let is_possible = cos_om > 0.0
         && cos_im < 0.0
         && m.z > 0.0
         && !o.is_smooth
         && !o.is_matched
-        && abs(denominator) > 1e-12;
+        && square > 1e-24;
     let m_stretch = rotate_z(m, o.rotation_cos, -o.rotation_sin);
     let wi_stretch = rotate_z(wi, o.rotation_cos, -o.rotation_sin);
     let d = d_ggx(m_stretch, o.alpha_x, o.alpha_y);
     let pdf_m = vndf_pdf(b.wo, cos_om, d, b.length_o);
-    let jacobian = sqr(b.eta) * abs(cos_im) / max(sqr(denominator), 1e-20);
+    let jacobian = sqr(b.eta) * abs(cos_im) / max(square, 1e-20);
     let g1 = g1_smith(wi_stretch, smith_length(wi_stretch, o.alpha_x, o.alpha_y));
     let facet = bsdf_interface(b, saturate(cos_om));
     let p = b.p_interface * (1.0 - bsdf_p_reflect(b, facet.reflected, facet.transmitted));

@@ -95,7 +95,9 @@ pub struct Bsdf<'a, L: Lanes> {
     is_inside: L::Mask,
     /// Transmitted over incident index for bending.
     eta: L,
-    /// The same for the reflectance of the refracting share.
+    /// `eta - 1` with all its digits, which a difference would lose for nearly matched media.
+    contrast: L,
+    /// The same as `eta` for the reflectance of the refracting share.
     eta_fresnel: L,
     /// The same as red, green and blue see it: with dispersion only.
     eta_channels: Rgb<L>,
@@ -168,6 +170,7 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
             eta_channels = Rgb::grey(L::select(is_inside, one / optics.eta, optics.eta_specular));
         }
         let eta = L::select(is_inside, one / eta_outside, eta_outside);
+        let contrast = L::select(is_inside, (one - eta_outside) / eta_outside, eta_outside - one);
         let eta_fresnel = L::select(is_inside, eta, eta_specular);
         let glass_gain = if lobes.has(Lobe::transmission) && lobes.has(Lobe::multiple_scattering) {
             let outside = base.at(Quantity::GlassKept, &glass_place, &slant);
@@ -254,6 +257,7 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
             is_below,
             is_inside,
             eta,
+            contrast,
             eta_fresnel,
             eta_channels,
             spectral,

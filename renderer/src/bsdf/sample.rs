@@ -89,7 +89,8 @@ impl<L: Lanes> Bsdf<'_, L> {
             through = Rgb::select(is_open, factor, Rgb::black());
             let d = d_ggx(stretch(m), alpha_x, alpha_y);
             let cos_im = bent.dot(m);
-            let denominator = cos_om + self.eta * cos_im;
+            // cos_om + eta cos_im by Snell's law, without the difference.
+            let denominator = self.contrast * (self.eta + one) / (cos_om + self.eta * cos_im.abs()).max(L::of(1e-20));
             let jacobian = self.eta.sqr() * cos_im.abs() / denominator.sqr().max(L::of(1e-20));
             through_pdf = L::select(is_straight, zero, p * vndf_pdf(self.wo, cos_om, d, self.length_o) * jacobian);
         }
@@ -101,7 +102,8 @@ impl<L: Lanes> Bsdf<'_, L> {
             wi = V3::select(is_sheen, sheen_sample(self.wo, o.sheen_roughness, u[1], u[2]), wi);
         }
 
-        let is_up = wi.z.gt(L::of(1e-7));
+        // A coat with its own normal reflects nothing below its own horizon.
+        let is_up = wi.z.gt(L::of(1e-7)) & (!is_coat | self.in_coat(wi).z.gt(zero));
         let wi_up = V3::new(wi.x, wi.y, wi.z.abs().max(L::of(1e-7)));
         let (value, pdf) = self.eval_reflection(wi_up);
         let mut weight = value.scale(one / L::select(pdf.gt(zero), pdf, one));

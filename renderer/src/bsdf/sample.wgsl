@@ -74,7 +74,8 @@ fn bsdf_sample(b: Bsdf, u: vec4f) -> BsdfSample {
         through = select(vec3f(0.0), factor, is_open);
         let d = d_ggx(rotate_z(m, o.rotation_cos, -o.rotation_sin), alpha_x, alpha_y);
         let cos_im = dot(bent, m);
-        let denominator = cos_om + b.eta * cos_im;
+        // cos_om + eta cos_im by Snell's law, without the difference.
+        let denominator = b.contrast * (b.eta + 1.0) / max(cos_om + b.eta * abs(cos_im), 1e-20);
         let jacobian = sqr(b.eta) * abs(cos_im) / max(sqr(denominator), 1e-20);
         through_pdf = select(p * vndf_pdf(b.wo, cos_om, d, b.length_o) * jacobian, 0.0, is_straight);
     }
@@ -86,7 +87,8 @@ fn bsdf_sample(b: Bsdf, u: vec4f) -> BsdfSample {
         wi = select(wi, sheen_sample(b.wo, o.sheen_roughness, u.y, u.z), is_sheen);
     }
 
-    let is_up = wi.z > 1e-7;
+    // A coat with its own normal reflects nothing below its own horizon.
+    let is_up = wi.z > 1e-7 && (!is_coat || bsdf_in_coat(b, wi).z > 0.0);
     let wi_up = vec3f(wi.xy, max(abs(wi.z), 1e-7));
     let mixed = bsdf_eval_reflection(b, wi_up);
     var weight = mixed.value * (1.0 / select(1.0, mixed.pdf, mixed.pdf > 0.0));
