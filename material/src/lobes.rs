@@ -83,6 +83,10 @@ lobes! {
     diffuse, "HAS_DIFFUSE", [], |m| is_dielectric(m) && below(m, Property::translucency, 1.0);
     /// Refraction into the body; out while translucency is 0 or metallic is 1.
     transmission, "HAS_TRANSMISSION", [], transmits;
+    /// Light that meets several facets of rough metal or glass; out for smooth ones, and for opaque dielectrics, whose diffuse reflection takes it.
+    multiple_scattering, "HAS_MULTIPLE_SCATTERING", [], |m| {
+        (above(m, Property::metallic, 0.0) || transmits(m)) && (above(m, Property::roughness, 0.04) || above(m, Property::anisotropy, 0.0))
+    };
     /// Stretched highlights; out while anisotropy is 0.
     anisotropy, "HAS_ANISOTROPY", [anisotropy_rotation], |m| above(m, Property::anisotropy, 0.0) && below(m, Property::roughness, 1.0);
     /// Woven fibres above the base; out while its opacity is 0.
@@ -159,6 +163,12 @@ impl LobeSet {
     #[must_use]
     pub fn without(self, lobe: Lobe) -> Self {
         Self(self.0 & !(1 << lobe as u32))
+    }
+
+    /// Lobes of this set that are not in the other.
+    #[must_use]
+    pub fn minus(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
     }
 
     /// Lobes in either set.

@@ -27,13 +27,13 @@ fn lobes_of(values: &[(Property, Value)]) -> Vec<&'static str> {
 fn known_materials_need_these_lobes() {
     assert_eq!(lobes_of(&[]), ["specular", "diffuse"]);
     let gold = [color(P::base_color, [1.0, 0.71, 0.31]), float(P::metallic, 1.0)];
-    assert_eq!(lobes_of(&gold), ["metal"]);
+    assert_eq!(lobes_of(&gold), ["metal", "multiple_scattering"]);
     let glass = [float(P::translucency, 1.0), float(P::roughness, 0.0), float(P::dispersion, 0.31)];
     assert_eq!(lobes_of(&glass), ["specular", "transmission", "dispersion"]);
     let green_glass = [float(P::translucency, 1.0), color(P::absorption_color, [0.7, 0.9, 0.8])];
     assert_eq!(lobes_of(&green_glass), ["specular", "transmission", "absorption"]);
     let paint = [float(P::coat, 1.0), float(P::metallic, 0.5)];
-    assert_eq!(lobes_of(&paint), ["metal", "specular", "diffuse", "coat"]);
+    assert_eq!(lobes_of(&paint), ["metal", "specular", "diffuse", "multiple_scattering", "coat"]);
     let skin = [float(P::translucency, 1.0), (P::scatter, Value::Bool(true)), float(P::scatter_red_shift, 0.5)];
     assert_eq!(lobes_of(&skin), ["specular", "transmission", "scattering"]);
 }
@@ -69,6 +69,7 @@ fn each_lobe_can_be_switched_on() {
         (Lobe::specular, vec![]),
         (Lobe::diffuse, vec![]),
         (Lobe::transmission, vec![float(P::translucency, 0.1)]),
+        (Lobe::multiple_scattering, vec![float(P::metallic, 0.1)]),
         (Lobe::anisotropy, vec![float(P::anisotropy, 0.1)]),
         (Lobe::sheen, vec![float(P::sheen, 0.1)]),
         (Lobe::coat, vec![float(P::coat, 0.1)]),

@@ -1,4 +1,4 @@
-//! Nearest and any intersection of rays with triangles.
+//! Nearest and any intersection of rays with triangles, and the nearest point of them.
 //!
 //! The tree is built by `obvhs` and collapsed to eight children a node, so that one node is tested with eight lanes. The triangle
 //! test is watertight (Woop, Benthin, Wald 2013): neighbours compute the same edge function for a shared edge, so no ray slips
@@ -13,6 +13,10 @@ use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
 use obvhs::{BvhBuildParams, ploc::PlocSearchDistance};
 use std::time::Duration;
+
+mod nearest;
+
+pub use nearest::Nearest;
 
 /// "No triangle": a miss, or nothing excluded.
 pub const NONE: u32 = u32::MAX;
@@ -450,15 +454,15 @@ mod tests {
     use glam::DVec3;
 
     /// Numbers in `[0, 1)` from a counter.
-    struct Numbers(u32);
+    pub(super) struct Numbers(pub u32);
 
     impl Numbers {
-        fn next(&mut self) -> f32 {
+        pub fn next(&mut self) -> f32 {
             self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             let x = ((self.0 >> ((self.0 >> 28) + 4)) ^ self.0).wrapping_mul(277_803_737);
             ((x >> 22) ^ x) as f32 / 4_294_967_296.0
         }
-        fn point(&mut self) -> Vec3 {
+        pub fn point(&mut self) -> Vec3 {
             Vec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
         }
     }
@@ -520,7 +524,7 @@ mod tests {
     }
 
     /// A unit sphere of triangles whose shared vertices are equal to the bit.
-    fn sphere(rings: u32, scale: f32) -> Vec<[Vec3; 3]> {
+    pub(super) fn sphere(rings: u32, scale: f32) -> Vec<[Vec3; 3]> {
         let at = |i: u32, j: u32| {
             let theta = i as f32 / rings as f32 * std::f32::consts::PI;
             let phi = (j % (2 * rings)) as f32 / rings as f32 * std::f32::consts::PI;

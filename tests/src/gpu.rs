@@ -1,14 +1,15 @@
 //! Runs a compute shader over arrays of floats. Where the machine must have an adapter, its absence is a failure.
 
-use burnish_renderer::preview::{albedo_table_values, headless_device, twin_shader};
+use burnish_renderer::preview::{headless_device, twin_shader};
 use wgpu::util::DeviceExt;
 
 /// Environment variable that turns a missing adapter from a visible skip into a failure.
 const REQUIRE: &str = "BURNISH_REQUIRE_GPU";
 
 /// Runs `entry` (a shader text with one entry point `main` of workgroup size 64) over `inputs`, bound as read-only storage
-/// buffers of group 1 from binding 1; binding 0 of group 1 is the result of `count` floats. `None` without an adapter.
-pub fn compute(entry: &str, inputs: &[Vec<f32>], count: usize, invocations: usize) -> Option<Vec<f32>> {
+/// buffers of group 1 from binding 1; binding 0 of group 1 is the result of `count` floats. `tables` is what `albedo_tables`
+/// holds. `None` without an adapter.
+pub fn compute(entry: &str, tables: &[f32], inputs: &[Vec<f32>], count: usize, invocations: usize) -> Option<Vec<f32>> {
     let (_, device, queue) = match headless_device() {
         Ok(found) => found,
         Err(error) => {
@@ -40,7 +41,7 @@ pub fn compute(entry: &str, inputs: &[Vec<f32>], count: usize, invocations: usiz
     let buffer = |usage| device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
     let result = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
     let readable = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-    let tables = storage(&albedo_table_values());
+    let tables = storage(tables);
     let inputs: Vec<_> = inputs.iter().map(|values| storage(values)).collect();
     let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: result.as_entire_binding() }];
     for (i, input) in inputs.iter().enumerate() {

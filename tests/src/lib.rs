@@ -5,3 +5,4 @@ pub mod materials;
 pub mod number;
 pub mod quadrature;
 pub mod scenes;
+pub mod surface;

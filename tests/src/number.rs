@@ -9,3 +9,32 @@ pub fn unit<L: Lanes>(i: usize, dimension: u32) -> L {
     let x = 0.5 + (i as f64 + 1.0) * STEPS[dimension as usize % 4] + 0.377 * f64::from(dimension / 4) * (1.0 + i as f64 * 0.618);
     L::of(x - x.floor())
 }
+
+/// Random numbers, the same in every run. Source: Steele, Lea, Flood 2014 (SplitMix64).
+#[derive(Clone, Debug)]
+pub struct Random(u64);
+
+impl Random {
+    /// A sequence of its own for every seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0xA076_1D64_78BD_642F) ^ 0xE703_7ED1_A0B4_28DB)
+    }
+
+    /// The next number in `[0, 1)`.
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// The next number in `[a, b)`.
+    pub fn between(&mut self, a: f64, b: f64) -> f64 {
+        a + (b - a) * self.unit()
+    }
+
+    /// True that often.
+    pub fn chance(&mut self, p: f64) -> bool {
+        self.unit() < p
+    }
+}

@@ -20,7 +20,8 @@ pub struct Integral {
 }
 
 /// Integrates about the mirror direction and about the refracted direction, with polar angles spaced
-/// geometrically: a lobe of width 1e-4 is resolved as well as a cosine.
+/// geometrically: a lobe of width 1e-4 is resolved as well as a cosine. Streaks that are wide one way and very thin the other (alpha 1
+/// along and 1e-4 across) are not: far from the middle the azimuth is too coarse for them.
 pub fn integrate(bsdf: &Bsdf<'_, f64>, wo: V3<f64>, optics: &Optics<f64>) -> Integral {
     // A stretched lobe is a thin streak far from its middle.
     let azimuth = if optics.alpha_x > 4.0 * optics.alpha_y { 16 * AZIMUTH } else { AZIMUTH };

@@ -2,14 +2,14 @@
 
 #![allow(clippy::needless_range_loop, reason = "a channel indexes several arrays at once")]
 
-use burnish_material::{LobeSet, Material};
-use burnish_renderer::bsdf::{Bsdf, interpret};
+use burnish_material::Material;
+use burnish_renderer::bsdf::View;
 use burnish_renderer::path::{Settings, StopRules, render};
 use burnish_renderer::scene::Scene;
-use burnish_renderer::vector::Rgb;
 use burnish_tests::materials::cases;
 use burnish_tests::quadrature::{Integral, direction, integrate};
 use burnish_tests::scenes::{environment, flat, mean};
+use burnish_tests::surface::Surface;
 
 const ROUGHNESSES: [f64; 3] = [0.05, 0.3, 1.0];
 const AZIMUTH: f64 = 0.7;
@@ -22,10 +22,9 @@ fn picture(scene: &Scene, spp: u32) -> [f64; 3] {
 }
 
 fn integral(material: &Material, mu: f64) -> Integral {
-    let lobes = LobeSet::of(material);
-    let optics = interpret(&material.inputs(), lobes, 1.0);
+    let surface = Surface::new(material);
     let wo = direction(mu, AZIMUTH);
-    integrate(&Bsdf::prepare(&optics, lobes, wo, Rgb::white()), wo, &optics)
+    integrate(&surface.bsdf(&View::new(wo)), wo, &surface.optics)
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::scene_options::{LoadedScene, SceneOptions};
 use super::switches::switched_by;
 use super::{CliError, Messages, Outcome, interrupt, print_out};
 use burnish_material::{LOBES, LobeSet, Material};
-use burnish_renderer::path::{Film, Prepared, evaluated_lobes, render_pass};
+use burnish_renderer::path::{Film, Prepared, render_pass};
 use burnish_renderer::preview::{self, Preview, PreviewError};
 use burnish_renderer::tonemap::Display;
 use clap::Args;
@@ -69,7 +69,7 @@ pub fn run(arguments: &FeaturesArguments) -> Result<Outcome, CliError> {
     for def in LOBES {
         line.show(|| format!("final view with {}", def.name));
         let more = LobeSet::EMPTY.with(def.lobe);
-        let is_evaluated = evaluated_lobes(&material, more) != evaluated_lobes(&material, LobeSet::EMPTY);
+        let is_evaluated = !needed.has(def.lobe);
         of_lobes.push(if is_evaluated { Some(meter.cost(more, REPEATS_OF_LOBE)?) } else { None });
     }
     line.show(|| "preview".to_owned());
@@ -165,7 +165,7 @@ impl<'a> Meter<'a> {
 
     /// Cost of evaluating these lobes as well.
     fn cost(&mut self, more: LobeSet, repeats: usize) -> Result<Cost, CliError> {
-        let full = Prepared::with_lobes(&self.loaded.scene, Some(&self.pruned), more);
+        let full = Prepared::with_lobes(&self.loaded.scene, Some(&self.pruned), more, LobeSet::EMPTY);
         let mut ratios = Vec::new();
         let mut z = 0.0;
         for repeat in 0..repeats {

@@ -7,7 +7,7 @@ use super::progress_line::ProgressLine;
 use super::scene_options::{LoadedScene, SceneOptions, positive};
 use super::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::export::{self, Format, Layer, LayerKind, Picture};
-use burnish_material::{LobeSet, Material, MaterialFile, Property, TextureRef};
+use burnish_material::{LOBES, Lobe, LobeSet, Material, MaterialFile, Property, TextureRef};
 use burnish_renderer::path::{self, ErrorEstimate, Film, Prepared, Progress, Settings, StopReason, StopRules};
 use burnish_renderer::preview::{self, Preview};
 use burnish_renderer::scene::Scene;
@@ -50,6 +50,9 @@ pub struct RenderArguments {
     /// Further layers: channels of an .exr, or files NAME.LAYER.png beside a .png
     #[arg(long, value_name = "albedo,normal,depth,variance,samples", value_delimiter = ',', value_parser = layer)]
     aov: Vec<LayerKind>,
+    /// Leaves lobes out also where they are needed, to see what they add (names: `burnish features`)
+    #[arg(long, value_name = "LOBE,...", value_delimiter = ',', value_parser = lobe)]
+    without: Vec<Lobe>,
     /// Leaves the background out; the picture gets an alpha channel
     #[arg(long)]
     transparent: bool,
@@ -68,6 +71,11 @@ pub struct RenderArguments {
     /// What is drawn, and how large.
     #[command(flatten)]
     pub scene: SceneOptions,
+}
+
+fn lobe(text: &str) -> Result<Lobe, String> {
+    let names = || LOBES.iter().map(|def| def.name).collect::<Vec<_>>().join(", ");
+    LOBES.iter().find(|def| def.name == text).map(|def| def.lobe).ok_or_else(|| format!("expected one of {}", names()))
 }
 
 /// Which renderer draws.
@@ -172,7 +180,10 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         stop: StopRules { spp, seconds: arguments.time, relmse: arguments.error },
     };
     let mut line = ProgressLine::new();
-    let rendering = path::render(&loaded.scene, &settings, &mut |progress| {
+    let less = arguments.without.iter().fold(LobeSet::EMPTY, |set, lobe| set.with(*lobe));
+    let start = Instant::now();
+    let prepared = Prepared::with_lobes(&loaded.scene, None, LobeSet::EMPTY, less);
+    let rendering = path::render_prepared(&prepared, &settings, start, &mut |progress| {
         line.show(|| progress_text(progress));
         !interrupt::is_interrupted()
     });
@@ -208,7 +219,7 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         stop_reason: rendering.stop_reason.word(),
         error: film.error(),
         nonfinite: rendering.nonfinite,
-        lobes: lobes(&loaded.scene, |material| path::evaluated_lobes(material, LobeSet::EMPTY)),
+        lobes: lobes(&loaded.scene, LobeSet::of).minus(less),
     })
 }
 

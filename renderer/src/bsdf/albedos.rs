@@ -8,6 +8,7 @@
 use super::dispersion::WAVELENGTH_RANGE;
 use super::fill::{Interface, Wanted, fill};
 use super::interpret::{Optics, interpret};
+use super::tables::cell;
 use crate::lanes::Lanes;
 use crate::vector::V3;
 use burnish_material::{Inputs, Lobe, LobeSet, Property};
@@ -18,7 +19,7 @@ use std::sync::Arc;
 /// own table its roughness and the root of its level.
 pub const AXES: usize = 5;
 /// Entries along `sqrt(mu)` for a material without a varying number, and otherwise: the detail lies at grazing angles.
-const COSINES: [usize; 2] = [64, 40];
+const COSINES: [usize; 2] = [96, 40];
 /// Entries along the azimuth of a stretched material, over a quarter turn.
 const AZIMUTHS: [usize; 2] = [17, 9];
 /// Entries along each varying number, by how many vary.
@@ -98,23 +99,19 @@ impl Albedos {
         varies: impl Fn(Property) -> bool,
         made: impl IntoIterator<Item = &'a Arc<Self>>,
     ) -> Arc<Self> {
-        use Property as P;
         let has_coat = lobes.has(Lobe::coat);
-        let base_varies = [
-            varies(P::roughness),
-            varies(P::anisotropy) && lobes.has(Lobe::anisotropy),
-            varies(P::specular_level),
-            varies(P::coat) && has_coat,
-            lobes.has(Lobe::dispersion),
-        ];
-        let coat_varies = [varies(P::coat_roughness), false, varies(P::coat_specular_level), false, false];
+        let [base_varies, coat_varies] = varying(lobes, varies);
         let key = key(inputs, lobes, &base_varies, &coat_varies);
         if let Some(fitting) = made.into_iter().find(|made| made.key == key) {
             return fitting.clone();
         }
-        let wants_glass = lobes.has(Lobe::transmission);
-        let wants_dielectric = lobes.has(Lobe::diffuse) || lobes.has(Lobe::specular) || wants_glass;
-        let wanted = Wanted { metal: lobes.has(Lobe::metal), dielectric: wants_dielectric, glass: wants_glass };
+        let transmits = lobes.has(Lobe::transmission);
+        let is_compensated = lobes.has(Lobe::multiple_scattering);
+        let wanted = Wanted {
+            metal: lobes.has(Lobe::metal) && is_compensated,
+            dielectric: lobes.has(Lobe::diffuse) || lobes.has(Lobe::specular) || transmits,
+            glass: transmits && is_compensated,
+        };
         let is_stretched = lobes.has(Lobe::anisotropy);
         let base = Grid::new(base_varies, is_stretched, wanted, |at: [Option<f64>; AXES]| {
             let mut inputs = *inputs;
@@ -152,6 +149,18 @@ impl Albedos {
         Arc::new(Self { base, coat, key })
     }
 
+    /// The first of `made` that fits a material with these values: [`Self::new`] without its work.
+    pub fn fitting<'a>(
+        inputs: &Inputs<f64>,
+        lobes: LobeSet,
+        varies: impl Fn(Property) -> bool,
+        made: impl IntoIterator<Item = &'a Arc<Self>>,
+    ) -> Option<Arc<Self>> {
+        let [base_varies, coat_varies] = varying(lobes, varies);
+        let key = key(inputs, lobes, &base_varies, &coat_varies);
+        made.into_iter().find(|made| made.key == key).cloned()
+    }
+
     /// Tables of a material without images.
     pub fn uniform(inputs: &Inputs<f64>, lobes: LobeSet) -> Arc<Self> {
         Self::new(inputs, lobes, |_| false, [])
@@ -184,10 +193,31 @@ impl Albedos {
 /// Numbers before the values of a grid in [`Albedos::words`]: counts, azimuths, cosines, begin of the means, begins of the quantities.
 pub const HEAD: usize = AXES + 3 + QUANTITIES;
 
+/// Numbers that the tables of base and coat run over.
+fn varying(lobes: LobeSet, varies: impl Fn(Property) -> bool) -> [[bool; AXES]; 2] {
+    use Property as P;
+    let base = [
+        varies(P::roughness),
+        varies(P::anisotropy) && lobes.has(Lobe::anisotropy),
+        varies(P::specular_level),
+        varies(P::coat) && lobes.has(Lobe::coat),
+        lobes.has(Lobe::dispersion),
+    ];
+    [base, [varies(P::coat_roughness), false, varies(P::coat_specular_level), false, false]]
+}
+
 /// All that the tables depend on.
 fn key(i: &Inputs<f64>, lobes: LobeSet, base_varies: &[bool; AXES], coat_varies: &[bool; AXES]) -> Vec<u64> {
-    let relevant =
-        [Lobe::metal, Lobe::specular, Lobe::diffuse, Lobe::transmission, Lobe::anisotropy, Lobe::coat, Lobe::dispersion];
+    let relevant = [
+        Lobe::metal,
+        Lobe::specular,
+        Lobe::diffuse,
+        Lobe::transmission,
+        Lobe::multiple_scattering,
+        Lobe::anisotropy,
+        Lobe::coat,
+        Lobe::dispersion,
+    ];
     let mut key: Vec<u64> = relevant.iter().map(|lobe| u64::from(lobes.has(*lobe))).collect();
     key.extend(base_varies.iter().chain(coat_varies).map(|x| u64::from(*x)));
     let fixed = |value: f64, varies: bool| if varies { 0 } else { value.to_bits() };
@@ -259,9 +289,9 @@ impl Grid {
     #[inline(always)]
     pub fn place<L: Lanes>(&self, numbers: [L; AXES]) -> Place<L> {
         let mut place = Place { index: [L::zero(); AXES], fraction: [L::zero(); AXES] };
-        for k in 0..AXES {
+        for (k, number) in numbers.into_iter().enumerate() {
             if self.counts[k] > 1 {
-                (place.index[k], place.fraction[k]) = cell(numbers[k], self.counts[k]);
+                (place.index[k], place.fraction[k]) = cell(number, self.counts[k]);
             }
         }
         place
@@ -321,20 +351,12 @@ impl Grid {
                 bit += 1;
                 let step = if is_upper { L::one() } else { L::zero() };
                 row = row * L::of(self.counts[k] as f64) + place.index[k] + step;
-                weight = weight * if is_upper { place.fraction[k] } else { L::one() - place.fraction[k] };
+                weight *= if is_upper { place.fraction[k] } else { L::one() - place.fraction[k] };
             }
             sum += weight * value(row);
         }
         sum
     }
-}
-
-/// Position of `u` in `[0, 1]` on an axis of `n` entries: index of the cell and place within it.
-#[inline(always)]
-fn cell<L: Lanes>(u: L, n: usize) -> (L, L) {
-    let s = u.sat() * L::of((n - 1) as f64);
-    let i = s.floor().min(L::of((n - 2) as f64));
-    (i, s - i)
 }
 
 /// Weights of the entries in the mean over the cosine-weighted hemisphere, exact for what is linear in `sqrt(mu)` and in

@@ -1,11 +1,11 @@
-//! Values and densities of the BSDF. Twin of the part of `bsdf.wgsl` with the same names.
+//! Values and densities of the BSDF. Twin of `eval.wgsl`.
 
 use super::albedos::Quantity;
 use super::coat::coat_passage;
 use super::fresnel::{f82_tint, fresnel};
 use super::ggx::{d_ggx, g1_smith, reflection_pdf, reflection_visibility, rotate_z, smith_length, vndf_pdf};
 use super::sheen::sheen_eval;
-use super::{Bsdf, COS_MIN};
+use super::{Bsdf, COS_MIN, spreads_metal};
 use crate::lanes::Lanes;
 use crate::vector::{Rgb, V3};
 use burnish_material::Lobe;
@@ -91,14 +91,14 @@ impl<L: Lanes> Bsdf<'_, L> {
             let p = self.p_interface * self.p_reflect(reflected, transmitted);
             pdf = p * reflection_pdf(self.wo, d, self.bound, self.length_o);
         }
-        if self.lobes.has(Lobe::diffuse) || self.lobes.has(Lobe::metal) {
+        if self.lobes.has(Lobe::diffuse) || spreads_metal(self.lobes) {
             let grid = &self.albedos.base;
             let slant = grid.slant(rotate_z(wi, o.rotation_cos, -o.rotation_sin));
             if self.lobes.has(Lobe::diffuse) {
                 let miss = grid.at(Quantity::DielectricMiss, &self.place, &slant);
                 base = base + o.base_color.scale(self.diffuse_scale * miss * wi.z);
             }
-            if self.lobes.has(Lobe::metal) {
+            if spreads_metal(self.lobes) {
                 base = base + self.metal_scale.scale(grid.at(Quantity::MetalMiss, &self.place, &slant) * wi.z);
             }
             pdf += self.p_diffuse * wi.z * L::of(FRAC_1_PI);

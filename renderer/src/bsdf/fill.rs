@@ -109,8 +109,14 @@ impl Fill<'_> {
         for i in 0..self.polar {
             // Finer towards 1: the tail of steep facets, where light goes below the horizon, holds about alpha^2 of the whole.
             let tail = |s: f64| (1.0 - s / self.polar as f64).powi(3);
-            let (u0, share) = (L::of(1.0 - tail(i as f64 + 0.5)), L::of(tail(i as f64) - tail(i as f64 + 1.0)));
-            for &(sin, cos) in self.circle {
+            let share = L::of(tail(i as f64) - tail(i as f64 + 1.0));
+            for (j, &(sin, cos)) in self.circle.iter().enumerate() {
+                // A lattice rather than a grid: seen from inside, the limit of total reflection runs along one coordinate.
+                let u0 = L::of(
+                    1.0 - tail(
+                        i as f64 + f64::from((j as u32).reverse_bits()) / 4_294_967_296.0 + 0.5 / self.circle.len() as f64,
+                    ),
+                );
                 let m = vndf_sample_at(wo, ax, ay, one, u0, L::of(sin), L::of(cos));
                 let cos_om = wo.dot(m).sat();
                 let wi = reflect(wo, m);

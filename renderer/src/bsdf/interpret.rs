@@ -149,8 +149,11 @@ pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) 
     let coat_level = inputs.coat_specular_level.sat();
     let (coat_alpha, _, coat_is_smooth) = alphas(coat_roughness, L::zero());
 
-    let (sigma_s, sigma_s_a) =
-        if lobes.has(Lobe::scattering) { scattering(inputs, length_scale) } else { (Rgb::black(), Rgb::black()) };
+    let (sigma_s, sigma_s_a) = if lobes.has(Lobe::scattering) && inputs.scatter {
+        scattering(inputs, length_scale)
+    } else {
+        (Rgb::black(), Rgb::black())
+    };
     let (transmission_tint, sigma_a) = if lobes.has(Lobe::absorption) {
         let color = sat(inputs.absorption_color);
         let distance = inputs.absorption_distance.max(L::zero()) * length_scale;

@@ -9,6 +9,10 @@ const LENGTH_MIN: f32 = 1e-6;
 const MATCHED_CONTRAST: f32 = 1e-6;
 // Smallest other contrast: half vectors made from it err by about 1 % of the narrowest lobe in single precision.
 const CONTRAST_MIN: f32 = 5e-4;
+// Smallest channel of the distance scale, and smallest ratio of albedos between channels. Model reference 10.2.
+const SCATTER_RATIO_MIN: f32 = 1e-3;
+// Largest dispersion: an Abbe number of 1.
+const DISPERSION_MAX: f32 = 20.0;
 // Largest emitted radiance: sums along a path and over a picture stay within single precision.
 const EMISSION_MAX: f32 = 1e30;
 
@@ -20,6 +24,8 @@ struct Optics {
     w_diffuse: f32,
     w_transmission: f32,
     roughness: f32,
+    anisotropy: f32,
+    level: f32,
     alpha_x: f32,
     alpha_y: f32,
     rotation_cos: f32,
@@ -27,6 +33,7 @@ struct Optics {
     is_smooth: bool,
     eta: f32,
     eta_specular: f32,
+    dispersion: f32,
     is_matched: bool,
     sheen: f32,
     sheen_color: vec3f,
@@ -34,13 +41,17 @@ struct Optics {
     coat: f32,
     coat_ln_tint: vec3f,
     coat_roughness: f32,
+    coat_level: f32,
     coat_alpha: f32,
     coat_is_smooth: bool,
     coat_eta: f32,
     transmission_tint: vec3f,
     sigma_a: vec3f,
+    sigma_s: vec3f,
     emission: vec3f,
     opacity: f32,
+    // Where the words of the material's albedos begin in `albedo_tables`; set by the caller.
+    albedos: u32,
 }
 
 // Meaning of the inputs. `length_scale` is scene units per unit of the material's lengths.
@@ -89,8 +100,13 @@ fn interpret(inputs: Inputs, length_scale: f32) -> Optics {
 
     let coat_tint = mix(vec3f(1.0), saturate(inputs.coat_color), coat);
     let coat_roughness = saturate(inputs.coat_roughness);
+    let coat_level = saturate(inputs.coat_specular_level);
     let coat_alphas = alphas(coat_roughness, 0.0);
 
+    var medium = Medium(vec3f(0.0), vec3f(0.0));
+    if HAS_SCATTERING {
+        medium = scattering(inputs, length_scale);
+    }
     var transmission_tint = vec3f(1.0);
     var sigma_a = vec3f(0.0);
     if HAS_ABSORPTION {
@@ -116,6 +132,8 @@ fn interpret(inputs: Inputs, length_scale: f32) -> Optics {
     optics.w_diffuse = w_diffuse;
     optics.w_transmission = w_transmission;
     optics.roughness = roughness;
+    optics.anisotropy = anisotropy;
+    optics.level = level;
     optics.alpha_x = base_alphas.x;
     optics.alpha_y = base_alphas.y;
     optics.rotation_cos = rotation_cos;
@@ -123,6 +141,7 @@ fn interpret(inputs: Inputs, length_scale: f32) -> Optics {
     optics.is_smooth = base_alphas.is_smooth;
     optics.eta = eta;
     optics.eta_specular = eta_specular;
+    optics.dispersion = select(0.0, clamp(inputs.dispersion, 0.0, DISPERSION_MAX), HAS_DISPERSION);
     optics.is_matched = is_matched;
     optics.sheen = select(0.0, saturate(inputs.sheen), HAS_SHEEN);
     optics.sheen_color = saturate(inputs.sheen_color);
@@ -130,12 +149,68 @@ fn interpret(inputs: Inputs, length_scale: f32) -> Optics {
     optics.coat = coat;
     optics.coat_ln_tint = log(max(coat_tint, vec3f(1e-6)));
     optics.coat_roughness = coat_roughness;
+    optics.coat_level = coat_level;
     optics.coat_alpha = coat_alphas.x;
     optics.coat_is_smooth = coat_alphas.is_smooth;
-    optics.coat_eta = level_to_ior(coat_ior, saturate(inputs.coat_specular_level));
+    optics.coat_eta = level_to_ior(coat_ior, coat_level);
     optics.transmission_tint = transmission_tint;
-    optics.sigma_a = sigma_a;
+    optics.sigma_a = sigma_a + medium.sigma_a;
+    optics.sigma_s = medium.sigma_s;
     optics.emission = emission;
     optics.opacity = select(1.0, saturate(inputs.opacity), HAS_OPACITY);
     return optics;
+}
+
+// Scattering and absorption coefficients of a medium, 1/scene unit.
+struct Medium {
+    sigma_s: vec3f,
+    sigma_a: vec3f,
+}
+
+// Coefficients of the scattering medium. Model reference 10.2.
+//
+// The single-scattering albedo inverts van de Hulst's formula for the colour of a thick body (Kulla and Conty 2017); its complement
+// is kept as a square of its own, because `1 - a` loses all digits near white.
+fn scattering(inputs: Inputs, length_scale: f32) -> Medium {
+    let color = saturate(inputs.scatter_color);
+    let dark = 1.0 - color;
+    let b = 1.139 + 1.17 * color;
+    let s = 2.0 * dark / (b + sqrt(b * b - 0.556 * dark));
+    let albedo = (1.0 - s) * (1.0 + s);
+    let largest = max_channel(albedo);
+    let distance = max(max(inputs.scatter_distance, 0.0) * length_scale, LENGTH_MIN);
+    let ratio = largest / max(max(albedo, vec3f(largest * SCATTER_RATIO_MIN)), vec3f(1e-30));
+    let scale = max(inputs.scatter_distance_scale, vec3f(SCATTER_RATIO_MIN));
+    let plain = select(vec3f(1.0), ratio, largest > 0.0) / (distance * scale);
+    // Rayleigh scattering grows with the fourth power of frequency: factors at 640, 540 and 460 nm.
+    let rayleigh = clamp(inputs.scatter_rayleigh, -1.0, 2.0);
+    let red = 1.0 + rayleigh * (RAYLEIGH_RED - 1.0);
+    let blue = 1.0 + rayleigh * (RAYLEIGH_BLUE - 1.0);
+    // Red shift 1 lets red travel ten times further.
+    let shift = exp(clamp(inputs.scatter_red_shift * -LN_10, -60.0, 60.0));
+    let extinction = min(plain * vec3f(red * shift, 1.0, blue), vec3f(1.0 / LENGTH_MIN / LENGTH_MIN));
+    return Medium(extinction * albedo, extinction * s * s);
+}
+
+const LN_10: f32 = 2.302585092994046;
+// (540 / 640)^4 and (540 / 460)^4.
+const RAYLEIGH_RED: f32 = 0.5068216324;
+const RAYLEIGH_BLUE: f32 = 1.8990819787;
+
+// The same for light of one wavelength, nanometres.
+fn optics_at_wavelength(optics: Optics, wavelength: f32) -> Optics {
+    let x = 1.0 / (wavelength * wavelength);
+    var at = optics;
+    at.eta = dispersed_ior(optics.eta, optics.dispersion, x);
+    at.eta_specular = dispersed_ior(optics.eta_specular, optics.dispersion, x);
+    return at;
+}
+
+// Index of refraction for the reflectance from outside, or of its bending, as red, green and blue see it.
+fn optics_per_channel(optics: Optics, eta: f32) -> vec3f {
+    return vec3f(
+        dispersed_ior(eta, optics.dispersion, INVERSE_SQUARE.x),
+        dispersed_ior(eta, optics.dispersion, INVERSE_SQUARE.y),
+        dispersed_ior(eta, optics.dispersion, INVERSE_SQUARE.z),
+    );
 }

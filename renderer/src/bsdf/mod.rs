@@ -161,13 +161,15 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
             let outside = Rgb::select(light.is_dispersed, Rgb::grey(eta_specular), optics.per_channel(optics.eta_specular));
             let inside = Rgb::select(light.is_dispersed, Rgb::grey(eta_outside), optics.per_channel(optics.eta));
             eta_channels = Rgb::select(is_inside, inside.map(|n| one / n), outside);
-            spectral = Rgb::select(light.is_dispersed, Rgb::white(), light.weights);
+            // Without dispersion after all (an image, or a kernel that leaves nothing out) light stays white.
+            let is_white = light.is_dispersed | optics.dispersion.le(zero);
+            spectral = Rgb::select(is_white, Rgb::white(), light.weights);
         } else if lobes.has(Lobe::dispersion) {
             eta_channels = Rgb::grey(L::select(is_inside, one / optics.eta, optics.eta_specular));
         }
         let eta = L::select(is_inside, one / eta_outside, eta_outside);
         let eta_fresnel = L::select(is_inside, eta, eta_specular);
-        let glass_gain = if lobes.has(Lobe::transmission) {
+        let glass_gain = if lobes.has(Lobe::transmission) && lobes.has(Lobe::multiple_scattering) {
             let outside = base.at(Quantity::GlassKept, &glass_place, &slant);
             let kept = L::select(is_inside, base.at(Quantity::GlassKeptInside, &glass_place, &slant), outside);
             one / kept.max(L::of(GLASS_KEPT_MIN))
@@ -216,6 +218,8 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
         let (mut w_diffuse, mut diffuse_scale, mut metal_scale) = (zero, zero, Rgb::black());
         if lobes.has(Lobe::metal) {
             reflected = f82_tint(mu, optics.base_color, optics.f82).scale(optics.w_metal);
+        }
+        if spreads_metal(lobes) {
             let lost = base.at(Quantity::MetalMiss, &place, &slant);
             let mean = base.mean(Quantity::MetalMiss, &place).max(L::of(1e-9));
             let average = f82_average(optics.base_color, optics.f82);
@@ -284,6 +288,12 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
     fn in_coat(&self, w: V3<L>) -> V3<L> {
         self.coat_frame.map_or(w, |frame| frame.local(w))
     }
+}
+
+/// Whether metal has its further, diffuse lobe.
+#[inline(always)]
+fn spreads_metal(lobes: LobeSet) -> bool {
+    lobes.has(Lobe::metal) && lobes.has(Lobe::multiple_scattering)
 }
 
 /// Weights to probabilities.

@@ -1,9 +1,9 @@
-//! Directions drawn from the BSDF. Twin of the part of `bsdf.wgsl` with the same names.
+//! Directions drawn from the BSDF. Twin of `sample.wgsl`.
 
-use super::Bsdf;
 use super::fresnel::fresnel;
 use super::ggx::{cosine_sample, d_ggx, g1_smith, reflect, refract, rotate_z, smith_length, vndf_pdf, vndf_sample};
 use super::sheen::sheen_sample;
+use super::{Bsdf, spreads_metal};
 use crate::lanes::{Lanes, Mask};
 use crate::vector::{Rgb, V3};
 use burnish_material::Lobe;
@@ -94,7 +94,7 @@ impl<L: Lanes> Bsdf<'_, L> {
             through_pdf = L::select(is_straight, zero, p * vndf_pdf(self.wo, cos_om, d, self.length_o) * jacobian);
         }
 
-        if self.lobes.has(Lobe::diffuse) || self.lobes.has(Lobe::metal) {
+        if self.lobes.has(Lobe::diffuse) || spreads_metal(self.lobes) {
             wi = V3::select(is_diffuse, cosine_sample(u[1], u[2]), wi);
         }
         if self.lobes.has(Lobe::sheen) {

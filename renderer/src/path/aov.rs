@@ -1,6 +1,6 @@
 //! What the middle of each pixel shows first, for denoisers, masks and picking.
 
-use super::frame::point;
+use super::frame::{point, span};
 use super::prepared::Prepared;
 use super::raygen::View;
 use super::sampler::MAX_LANES;
@@ -42,7 +42,12 @@ pub fn aovs(prepared: &Prepared, width: usize, height: usize) -> Aovs {
             let surface = &prepared.surfaces[prepared.surface_of_object[object as usize] as usize];
             let at = point::<f32>(&prepared.geometry, &[*hit; MAX_LANES], false, true);
             let uniform = surface.inputs.convert(|x| x as f32);
-            let inputs = surface.textured(&uniform, &at.uv).unwrap_or(uniform);
+            let inputs = if surface.textures.is_empty() {
+                uniform
+            } else {
+                let footprint = span::<f32>(&prepared.geometry, &[*hit; MAX_LANES]).uv_length(view.spread() * hit.t);
+                surface.textured(&uniform, &at.uv, footprint).unwrap_or(uniform)
+            };
             let V3 { x, y, z } = at.n;
             out.albedo.push(inputs.base_color.map(|c| c.clamp(0.0, 1.0)));
             out.normal.push([x, y, z]);

@@ -19,10 +19,22 @@ pub(super) struct Paths {
     pub throughput: Triples,
     /// Light found so far.
     pub radiance: Triples,
-    /// Absorption of the body that the path is in, 1/normalised unit; zeros outside.
-    pub sigma: Triples,
+    /// Absorption in the body that the path is in, 1/normalised unit; zeros outside.
+    pub sigma_a: Triples,
+    /// Scattering in it.
+    pub sigma_s: Triples,
+    /// The object whose body that is, where it scatters.
+    pub body: Vec<u32>,
+    /// Wavelength of the path, nanometres: where anything disperses.
+    pub wavelength: Vec<f32>,
+    /// Whether the path has become light of its wavelength.
+    pub is_dispersed: Vec<bool>,
     /// Density of the last direction that a non-delta lobe chose; 0 if light sampling could not have found it.
     pub pdf: Vec<f32>,
+    /// Width of the cone where the ray starts, normalised units.
+    pub cone_width: Vec<f32>,
+    /// How fast it widens: width per distance.
+    pub cone_spread: Vec<f32>,
     /// Scattering events so far.
     pub bounces: Vec<u32>,
     /// The triangle that the path leaves.
@@ -39,13 +51,25 @@ pub(super) struct Paths {
 
 impl Paths {
     /// Room for `count` paths; values of earlier paths are left over.
-    fn resize(&mut self, count: usize) {
-        for triple in [&mut self.origin, &mut self.direction, &mut self.throughput, &mut self.radiance, &mut self.sigma] {
+    pub(super) fn resize(&mut self, count: usize) {
+        for triple in [
+            &mut self.origin,
+            &mut self.direction,
+            &mut self.throughput,
+            &mut self.radiance,
+            &mut self.sigma_a,
+            &mut self.sigma_s,
+        ] {
             for column in triple {
                 column.resize(count, 0.0);
             }
         }
-        self.pdf.resize(count, 0.0);
+        for column in [&mut self.pdf, &mut self.cone_width, &mut self.cone_spread] {
+            column.resize(count, 0.0);
+        }
+        self.body.resize(count, NONE);
+        self.wavelength.resize(count, 0.0);
+        self.is_dispersed.resize(count, false);
         self.bounces.resize(count, 0);
         self.excluded.resize(count, NONE);
         self.seeds.resize(count, 0);
@@ -62,7 +86,7 @@ pub(super) struct Shadows {
     pub rays: Vec<Ray>,
     /// What arrives if the way is free.
     pub contributions: Vec<[f32; 3]>,
-    /// Absorption along the first stretch.
+    /// Extinction along the first stretch, 1/normalised unit.
     pub sigmas: Vec<[f32; 3]>,
     /// The path that gets the light.
     pub paths: Vec<u32>,

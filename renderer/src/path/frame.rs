@@ -1,4 +1,5 @@
-//! Local frames at hits: interpolated attributes, normal maps, and normals bent so that the viewer is on the right side.
+//! Local frames at hits: interpolated attributes, texture coordinates across a triangle, and normals bent so that the viewer is on the
+//! right side.
 
 use super::geometry::Geometry;
 use super::sampler::MAX_LANES;
@@ -103,15 +104,72 @@ pub(super) fn point<L: Lanes>(geometry: &Geometry, hits: &[Hit; MAX_LANES], need
     Point { position: vector(0), ng, n, tangent, uv }
 }
 
+/// Two edges of the triangles that were hit, in the world and in uv.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span<L> {
+    /// From the first corner, normalised units.
+    pub edges: [V3<L>; 2],
+    /// The same edges in uv.
+    pub uv: [[L; 2]; 2],
+}
+
+/// The triangles at the hits.
+#[inline(always)]
+pub(super) fn span<L: Lanes>(geometry: &Geometry, hits: &[Hit; MAX_LANES]) -> Span<L> {
+    let mut corners = [[0usize; MAX_LANES]; 3];
+    for i in 0..L::WIDTH {
+        let t = &geometry.triangles[hits[i].triangle as usize];
+        for c in 0..3 {
+            corners[c][i] = t[c] as usize;
+        }
+    }
+    let edge = |c: usize, k: usize| L::from_fn(|i| geometry.vertices[corners[c][i]][k] - geometry.vertices[corners[0][i]][k]);
+    Span { edges: [1, 2].map(|c| V3::new(edge(c, 0), edge(c, 1), edge(c, 2))), uv: [1, 2].map(|c| [edge(c, 10), edge(c, 11)]) }
+}
+
+impl<L: Lanes> Span<L> {
+    /// Length in uv of a short way on the triangle, over all directions: the root of the ratio of areas. 0 without an area.
+    #[inline(always)]
+    pub(super) fn uv_length(&self, width: L) -> L {
+        let [[a, b], [c, d]] = self.uv;
+        let area = self.edges[0].cross(self.edges[1]).length_squared().sqrt();
+        let ratio = (a * d - b * c).abs() / area.max(L::of(1e-30));
+        width * ratio.sqrt()
+    }
+
+    /// Slopes along the tangent and the bitangent of a quantity whose derivatives by u and v are given; zeros where the triangle, seen
+    /// along the normal, has no area.
+    ///
+    /// The edges are looked at in the tangent plane, so a displaced triangle counts as the flat one that it was made from.
+    #[inline(always)]
+    pub(super) fn slopes(&self, frame: &Frame<L>, by_uv: [L; 2]) -> [L; 2] {
+        let [e, f] = self.edges.map(|e| [e.dot(frame.t), e.dot(frame.b)]);
+        let [de, df] = self.uv.map(|uv| by_uv[0] * uv[0] + by_uv[1] * uv[1]);
+        let area = e[0] * f[1] - e[1] * f[0];
+        let lengths = (e[0] * e[0] + e[1] * e[1]).sqrt() * (f[0] * f[0] + f[1] * f[1]).sqrt();
+        let is_flat = area.abs().le(lengths * L::of(1e-6)) | area.abs().lt(L::of(1e-30));
+        let inverse = L::one() / L::select(is_flat, L::one(), area);
+        let slope = |x: L| {
+            // Steeper than this all slopes look alike, and squares stay numbers.
+            let x = x * inverse;
+            L::select(x.eq(x) & !is_flat, x.max(L::of(-1e8)).min(L::of(1e8)), L::zero())
+        };
+        [slope(de * f[1] - df * e[1]), slope(df * e[0] - de * f[0])]
+    }
+}
+
 /// Strength of a normal map on a direction of the tangent frame (model reference 13): above 1 the slopes grow, below 1 the angle shrinks.
 #[inline(always)]
 pub(super) fn scale_normal<L: Lanes>(n: [L; 3], scale: f64) -> V3<L> {
-    let n = V3::new(n[0], n[1], n[2]).normalize();
+    // Divided by the largest component first: squares of what a file may hold would overflow.
+    let largest = n[0].abs().max(n[1].abs()).max(n[2].abs()).max(L::of(1e-30));
+    let n = V3::new(n[0] / largest, n[1] / largest, n[2] / largest).normalize();
     let flat = V3::new(L::zero(), L::zero(), L::one());
     let slope = (n.x * n.x + n.y * n.y).sqrt();
     let is_flat = slope.lt(L::of(1e-8)) | !slope.is_finite();
     if scale > 1.0 {
-        return V3::select(is_flat, flat, V3::new(n.x * L::of(scale), n.y * L::of(scale), n.z).normalize());
+        let scale = L::of(scale.min(1e8));
+        return V3::select(is_flat, flat, V3::new(n.x * scale, n.y * scale, n.z).normalize());
     }
     // The angle to z, by a half-angle arc tangent that the lanes offer as a map: normal maps are rare and this is exact.
     let mut sine = [0.0f32; MAX_LANES];
@@ -169,6 +227,10 @@ mod tests {
         assert!((angle(scale_normal(n, 2.0)) - 1.2f32.atan2(0.8)).abs() < 1e-6);
         assert_eq!(angle(scale_normal(n, 0.0)), 0.0);
         assert_eq!(angle(scale_normal([0.0f32; 3], 1.0)), 0.0);
+        assert_eq!(angle(scale_normal(n, -2.0)), 0.0);
+        assert_eq!(angle(scale_normal([f32::NAN, 0.0, 1.0], 1.0)), 0.0);
+        assert!((angle(scale_normal(n.map(|x| x * 1e30), 1.0)) - 0.6f32.atan2(0.8)).abs() < 1e-6);
+        assert!((angle(scale_normal(n, 1e300)) - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
     }
 
     #[test]

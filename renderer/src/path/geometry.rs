@@ -1,5 +1,7 @@
 //! All triangles of a scene in one tree, in units of the edited object's size, and what shading needs at a hit.
 
+use super::displace::{HeightKey, Patch, Relief, length_scale};
+use super::mip::Sources;
 use crate::bvh::{Bvh, Ray};
 use crate::scene::{Object, Scene};
 use burnish_assets::Mesh;
@@ -13,7 +15,9 @@ pub(super) type Vertex = [f32; 12];
 /// renders the same picture.
 #[derive(Debug)]
 pub(super) struct Geometry {
-    sources: Vec<(Arc<Mesh>, bool)>,
+    origins: Vec<Origin>,
+    /// How the height of each object is drawn.
+    pub reliefs: Vec<Relief>,
     /// Scene point that becomes the origin.
     center: DVec3,
     /// Normalised units per scene unit; a power of two, so that coordinates keep their digits.
@@ -28,15 +32,34 @@ pub(super) struct Geometry {
     pub normals: Vec<[f32; 3]>,
 }
 
+/// What the triangles of an object depend on.
+#[derive(Debug)]
+struct Origin {
+    mesh: Arc<Mesh>,
+    is_document: bool,
+    height: Option<HeightKey>,
+}
+
+impl Origin {
+    fn of(object: &Object) -> Self {
+        Self { mesh: object.mesh.clone(), is_document: object.is_document, height: HeightKey::of(object) }
+    }
+
+    fn is_of(&self, object: &Object) -> bool {
+        Arc::ptr_eq(&self.mesh, &object.mesh) && self.is_document == object.is_document && self.height == HeightKey::of(object)
+    }
+}
+
 impl Geometry {
     /// Collects the triangles. Those that use vertices which do not exist are left out.
-    pub(super) fn new(scene: &Scene) -> Self {
+    pub(super) fn new(scene: &Scene, sources: &mut Sources) -> Self {
         let bounds = scene.document_bounds();
         let radius = f64::from(bounds.radius());
         let exponent = if radius.is_finite() && radius > 0.0 { radius.log2().round().clamp(-120.0, 120.0) } else { 0.0 };
         let center = bounds.center().as_dvec3();
         let mut geometry = Self {
-            sources: sources(&scene.objects).collect(),
+            origins: scene.objects.iter().map(Origin::of).collect(),
+            reliefs: scene.objects.iter().map(|o| Relief::of(o, sources)).collect(),
             center: if center.is_finite() { center } else { DVec3::ZERO },
             scale: (-exponent).exp2(),
             bvh: Bvh::default(),
@@ -46,7 +69,7 @@ impl Geometry {
         };
         let mut corners = Vec::new();
         for (number, object) in scene.objects.iter().enumerate() {
-            geometry.add(&object.mesh, number as u32, &mut corners);
+            geometry.add(object, number as u32, &mut corners);
         }
         geometry.bvh = Bvh::new(&corners);
         geometry
@@ -54,34 +77,48 @@ impl Geometry {
 
     /// Whether this is the geometry of the scene.
     pub(super) fn is_of(&self, scene: &Scene) -> bool {
-        self.sources.len() == scene.objects.len()
-            && self.sources.iter().zip(sources(&scene.objects)).all(|(a, b)| Arc::ptr_eq(&a.0, &b.0) && a.1 == b.1)
+        self.origins.len() == scene.objects.len() && self.origins.iter().zip(&scene.objects).all(|(a, b)| a.is_of(b))
     }
 
-    fn add(&mut self, mesh: &Mesh, object: u32, corners: &mut Vec<[Vec3; 3]>) {
+    fn add(&mut self, object: &Object, number: u32, corners: &mut Vec<[Vec3; 3]>) {
+        let mut patch = self.patch(&object.mesh);
+        let inputs = object.material.inputs();
+        let scale = inputs.height_scale * length_scale(object) * self.scale;
+        match &self.reliefs[number as usize] {
+            Relief::Offset(height) => patch.offset(height * scale),
+            Relief::Displaced(texture) => {
+                patch.displace_by(texture, inputs.height_level, scale, object.mesh.bounds(), self.scale);
+            }
+            Relief::Flat | Relief::Bumped(_) | Relief::Unplaced => {}
+        }
         let first = self.vertices.len() as u32;
+        for t in &patch.triangles {
+            let points = t.map(|i| {
+                let v = &patch.vertices[i as usize];
+                Vec3::new(v[0], v[1], v[2])
+            });
+            let [a, b, c] = points.map(|p| p.as_dvec3());
+            let n = (b - a).cross(c - a).try_normalize().unwrap_or(DVec3::Y).as_vec3();
+            self.triangles.push([t[0] + first, t[1] + first, t[2] + first, number]);
+            self.normals.push(n.to_array());
+            corners.push(points);
+        }
+        self.vertices.append(&mut patch.vertices);
+    }
+
+    /// A mesh as it is, in normalised units.
+    fn patch(&self, mesh: &Mesh) -> Patch {
+        let mut patch = Patch::default();
         for (i, p) in mesh.positions.iter().enumerate() {
             let p = self.normalized(*p);
             let n = mesh.normals.get(i).copied().unwrap_or(Vec3::ZERO);
             let t = mesh.tangents.get(i).copied().unwrap_or(glam::Vec4::ZERO);
             let uv = mesh.uvs.get(i).copied().unwrap_or_default();
-            self.vertices.push([p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y]);
+            patch.vertices.push([p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y]);
         }
-        for t in &mesh.triangles {
-            if t.iter().any(|&i| i as usize >= mesh.positions.len()) {
-                continue;
-            }
-            let t = t.map(|i| i + first);
-            let points = t.map(|i| {
-                let v = &self.vertices[i as usize];
-                Vec3::new(v[0], v[1], v[2])
-            });
-            let [a, b, c] = points.map(|p| p.as_dvec3());
-            let n = (b - a).cross(c - a).try_normalize().unwrap_or(DVec3::Y).as_vec3();
-            self.triangles.push([t[0], t[1], t[2], object]);
-            self.normals.push(n.to_array());
-            corners.push(points);
-        }
+        let exists = |t: &&[u32; 3]| t.iter().all(|&i| (i as usize) < mesh.positions.len());
+        patch.triangles.extend(mesh.triangles.iter().filter(exists));
+        patch
     }
 
     /// A scene point in normalised units.
@@ -123,10 +160,6 @@ impl Geometry {
             None
         }
     }
-}
-
-fn sources(objects: &[Object]) -> impl Iterator<Item = (Arc<Mesh>, bool)> + '_ {
-    objects.iter().map(|o| (o.mesh.clone(), o.is_document))
 }
 
 /// A point moved off its surface along `n` (unit, to the side where the ray goes on), just beyond its rounding error. Per

@@ -30,8 +30,9 @@ impl Kernel for Miss<'_> {
             // Density 0: a camera ray or a delta lobe, which light sampling cannot replace.
             let weight = L::select(pdf.gt(L::zero()), pdf / (pdf + light_pdf).max(L::of(1e-30)), L::one());
             // Nothing arrives through an absorbing medium without end.
-            let sigma = load::<L>(&paths.sigma, &id).map(|s| L::select(s.gt(L::zero()), L::zero(), L::one()));
-            let light = (Rgb(load(&paths.throughput, &id)) * radiance * Rgb(sigma)).scale(weight);
+            let sigma = Rgb(load::<L>(&paths.sigma_a, &id)) + Rgb(load(&paths.sigma_s, &id));
+            let passage = sigma.map(|s| L::select(s.gt(L::zero()), L::zero(), L::one()));
+            let light = (Rgb(load(&paths.throughput, &id)) * radiance * passage).scale(weight);
             for (i, id) in id.iter().enumerate().take(ids.len()) {
                 add(paths, stats, *id, lane_of(light, i));
             }

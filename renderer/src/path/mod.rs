@@ -1,29 +1,39 @@
 //! The progressive CPU path tracer: thousands of paths per thread at a time, one depth after the other, each stage over all of them.
 //!
-//! Stages in order: `raygen` (camera rays), `trace` (nearest hits, lists by material), `shade` (emission, light connection, scattered
+//! Stages in order: `raygen` (camera rays), `trace` (nearest hits, walks through scattering bodies, lists by material), `shade` (emission, light connection, scattered
 //! direction), `miss` (the environment), `film` (sums). `schedule` drives them over tiles and threads, `render` over passes. A stage reads
 //! its queue and writes its queue.
 //!
-//! Left out so far, and named by [`unsupported`]: random walks in the body, dispersion, displacement, a coat with its own normals. A path is in at
-//! most one body at a time: bodies within bodies keep only the innermost one's absorption.
+//! A path is in at most one body at a time: of bodies within bodies it keeps only the innermost one's interior.
+//!
+//! Height maps displace the mesh, refined to 1/128 of its radius (`displace`), and bend normals where they are finer (`detail`). Paths carry
+//! cones (`cone`), by which images are read from averaged copies (`mip`).
 
 mod aov;
 mod batch;
+mod cone;
+mod detail;
+mod displace;
 mod film;
 mod frame;
 mod geometry;
 mod light;
+mod mip;
 mod miss;
 mod prepared;
 mod raygen;
 pub(crate) mod render;
 mod sampler;
+mod scatter;
 mod schedule;
 mod shade;
+#[cfg(test)]
+mod surface_tests;
 #[cfg(test)]
 mod tests;
 mod texture;
 mod trace;
+mod walk;
 
 pub use aov::{Aovs, aovs};
 pub use film::{ErrorEstimate, Film, REPLICATES};
@@ -32,7 +42,8 @@ pub use render::{Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, 
 pub use schedule::render_pass;
 
 use crate::scene::Scene;
-use burnish_material::{Lobe, LobeSet, Material};
+use displace::Relief;
+use mip::Sources;
 
 /// What a pass did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,6 +54,12 @@ pub struct PassStats {
     pub nonfinite: u64,
     /// Contributions dropped because they were negative.
     pub negative: u64,
+    /// Random walks through scattering bodies.
+    pub walks: u64,
+    /// Collisions in them.
+    pub collisions: u64,
+    /// Walks that the last guard against endless ones cut short: a loss of light, 0 unless something is wrong.
+    pub cut_walks: u64,
 }
 
 impl PassStats {
@@ -51,6 +68,9 @@ impl PassStats {
         self.samples += other.samples;
         self.nonfinite += other.nonfinite;
         self.negative += other.negative;
+        self.walks += other.walks;
+        self.collisions += other.collisions;
+        self.cut_walks += other.cut_walks;
     }
 
     /// Whether light may be added; counts it where it arises if not.
@@ -68,35 +88,19 @@ impl PassStats {
     }
 }
 
-/// Lobes that this renderer does not have, and what it draws instead.
-const LEFT_OUT: [(Lobe, &str); 4] = [
-    (Lobe::scattering, "scattering in the body is left out; light passes it as if it were clear"),
-    (Lobe::dispersion, "dispersion is left out; all colours refract alike"),
-    (Lobe::height, "the height map is left out; the surface stays flat"),
-    (Lobe::coat_normal_map, "the coat's normal map is left out; the coat follows the surface"),
-];
-
-/// The lobes of a material that this renderer evaluates, `more` added.
-pub fn evaluated_lobes(material: &Material, more: LobeSet) -> LobeSet {
-    LEFT_OUT.iter().fold(LobeSet::of(material).union(more), |set, (lobe, _)| set.without(*lobe))
-}
-
 /// Sentences that name what the materials of a scene ask for and this renderer leaves out.
 pub fn unsupported(scene: &Scene) -> Vec<String> {
     let mut sentences = Vec::new();
     for object in &scene.objects {
         let material = &object.material;
-        let lobes = LobeSet::of(material);
         let mut say = |what: &str| {
             let sentence = format!("{}: {what}.", if material.name.is_empty() { "material" } else { &material.name });
             if !sentences.contains(&sentence) {
                 sentences.push(sentence);
             }
         };
-        for (lobe, what) in LEFT_OUT {
-            if lobes.has(lobe) {
-                say(what);
-            }
+        if let Some(what) = Relief::of(object, &mut Sources::default()).shortcoming() {
+            say(what);
         }
         for (property, slot) in material.slots() {
             if let Some(texture) = &slot.texture

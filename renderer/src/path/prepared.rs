@@ -1,11 +1,14 @@
 //! What a scene becomes before it is rendered: one tree, tables of the light, one surface per material.
 
 use super::batch::Batch;
-use super::evaluated_lobes;
+use super::detail::Bumps;
+use super::displace::{Relief, length_scale};
 use super::geometry::Geometry;
 use super::light::{Light, LightTables};
+use super::mip::Sources;
 use super::texture::Texture;
 use crate::bsdf::{Albedos, interpret};
+use crate::bvh::NONE;
 use crate::scene::{Camera, Object, Scene, TextureSet};
 use burnish_material::{Inputs, Lobe, LobeSet, Material};
 use std::sync::{Arc, Mutex};
@@ -19,12 +22,33 @@ pub struct Prepared {
     pub(super) surface_of_object: Vec<u32>,
     pub(super) camera: Camera,
     pub(super) max_bounces: u32,
-    /// Absorption around the camera, 1/normalised unit.
-    pub(super) camera_sigma: [f32; 3],
+    /// What is around the camera.
+    pub(super) camera_medium: CameraMedium,
+    /// Whether any body scatters.
+    pub(super) has_scattering: bool,
+    /// Whether any material disperses.
+    pub(super) has_dispersion: bool,
+    /// Half the smallest extent of each object, normalised units: how far its inside is from its surface at most.
+    pub(super) radius_of_object: Vec<f32>,
     /// Whether any surface lets rays pass straight through.
     pub(super) has_cut_through: bool,
+    /// Whether any surface reads images.
+    pub(super) has_images: bool,
+    /// The images that surfaces and geometry read.
+    sources: Sources,
     /// Buffers of threads that rest.
     pub(super) pool: Arc<Mutex<Vec<Batch>>>,
+}
+
+/// The body that the camera is in; zeros outside.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CameraMedium {
+    /// Absorption, 1/normalised unit.
+    pub sigma_a: [f32; 3],
+    /// Scattering, 1/normalised unit.
+    pub sigma_s: [f32; 3],
+    /// Its object, or [`NONE`].
+    pub object: u32,
 }
 
 /// A material as the shade stage needs it. Objects that share a material share it.
@@ -38,6 +62,8 @@ pub(super) struct Surface {
     pub inputs: Inputs<f64>,
     /// Images that replace some of them.
     pub textures: Vec<Texture>,
+    /// The height map, where it bends normals.
+    pub bumps: Option<Bumps>,
     /// Normalised units per unit of the material's lengths.
     pub length_scale: f64,
     /// Tables of its albedos.
@@ -45,25 +71,37 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    fn new<'a>(object: &Object, lobes: LobeSet, length_scale: f64, albedos: impl IntoIterator<Item = &'a Arc<Albedos>>) -> Self {
-        let (lobes, inputs, textures) =
-            (evaluated_lobes(&object.material, lobes), object.material.inputs(), Texture::all_of(object));
+    fn new<'a>(
+        object: &Object,
+        relief: &Relief,
+        lobes: impl Fn(&Material) -> LobeSet,
+        scale: f64,
+        sources: &mut Sources,
+        albedos: impl IntoIterator<Item = &'a Arc<Albedos>>,
+    ) -> Self {
+        let length_scale = length_scale(object) * scale;
+        let inputs = object.material.inputs();
+        let bumps = match relief {
+            Relief::Displaced(texture) | Relief::Bumped(texture) => Some(Bumps {
+                texture: texture.clone(),
+                // Larger ones bend every normal as far as they go; products with texels should stay numbers.
+                scale: (inputs.height_scale * length_scale).clamp(-1e20, 1e20),
+                is_displaced: matches!(relief, Relief::Displaced(_)),
+            }),
+            _ => None,
+        };
+        let (lobes, textures) = (lobes(&object.material), Texture::all_of(object, sources));
         let varies = |property| textures.iter().any(|t| t.property == property);
         Self {
             albedos: Albedos::new(&inputs, lobes, varies, albedos),
             lobes,
-            inputs,
             textures,
+            bumps,
+            inputs,
             length_scale,
             images: object.textures.clone(),
             material: object.material.clone(),
         }
-    }
-
-    /// Normalised units per unit of the material's lengths.
-    fn length_scale(object: &Object, scale: f64) -> f64 {
-        let length_scale = if object.length_scale.is_finite() && object.length_scale > 0.0 { object.length_scale } else { 1.0 };
-        length_scale * scale
     }
 
     fn is_of(&self, object: &Object) -> bool {
@@ -77,22 +115,35 @@ impl Surface {
 
     /// Whether the direction of the tangent matters.
     pub(super) fn needs_tangent(&self) -> bool {
-        self.lobes.has(Lobe::anisotropy) || self.lobes.has(Lobe::normal_map)
+        self.bumps.is_some() || [Lobe::anisotropy, Lobe::normal_map, Lobe::coat_normal_map].iter().any(|l| self.lobes.has(*l))
+    }
+
+    /// Whether the texture coordinate matters.
+    pub(super) fn reads_images(&self) -> bool {
+        !self.textures.is_empty() || self.bumps.is_some()
+    }
+
+    /// Whether the same triangles are bent alike.
+    fn is_bent_as(&self, other: &Self) -> bool {
+        let kind = |s: &Self| s.bumps.as_ref().map(|b| b.is_displaced);
+        kind(self) == kind(other)
     }
 }
 
 impl Prepared {
     /// Prepares a scene. What is the same as in `previous` (by identity of the shared parts) is taken from there.
     pub fn new(scene: &Scene, previous: Option<&Self>) -> Self {
-        Self::with_lobes(scene, previous, LobeSet::EMPTY)
+        Self::with_lobes(scene, previous, LobeSet::EMPTY, LobeSet::EMPTY)
     }
 
-    /// The same with these lobes evaluated also where a material does not need them: the picture is the same, and shows what leaving them out
-    /// saves. [`LobeSet::all`] leaves nothing out.
-    pub fn with_lobes(scene: &Scene, previous: Option<&Self>, lobes: LobeSet) -> Self {
+    /// The same with other lobes than the materials need. `more` are evaluated as well: the picture is the same, and shows what leaving them
+    /// out saves; [`LobeSet::all`] leaves nothing out. `less` are left out also where they are needed: what they add to the picture.
+    pub fn with_lobes(scene: &Scene, previous: Option<&Self>, more: LobeSet, less: LobeSet) -> Self {
+        let lobes = |material: &Material| LobeSet::of(material).union(more).minus(less);
+        let mut sources = previous.map(|p| p.sources.clone()).unwrap_or_default();
         let geometry = match previous {
             Some(p) if p.geometry.is_of(scene) => p.geometry.clone(),
-            _ => Arc::new(Geometry::new(scene)),
+            _ => Arc::new(Geometry::new(scene, &mut sources)),
         };
         let tables = match previous {
             Some(p) if p.light.tables().is_of(&scene.environment.map) => p.light.tables().clone(),
@@ -100,35 +151,46 @@ impl Prepared {
         };
         let mut surfaces: Vec<Surface> = Vec::new();
         let mut surface_of_object = Vec::with_capacity(scene.objects.len());
-        for object in &scene.objects {
-            let length_scale = Surface::length_scale(object, geometry.scale);
-            let same = surfaces.iter().position(|s| s.is_of(object) && s.length_scale == length_scale);
+        for (object, relief) in scene.objects.iter().zip(&geometry.reliefs) {
+            // What another material of this or the last scene has made may fit.
+            let known = previous.map_or(&[][..], |p| &p.surfaces).iter().chain(&surfaces).map(|s| &s.albedos);
+            let made = Surface::new(object, relief, lobes, geometry.scale, &mut sources, known);
+            let is_same = |s: &Surface| s.is_of(object) && s.length_scale == made.length_scale && s.is_bent_as(&made);
+            let same = surfaces.iter().position(is_same);
             surface_of_object.push(same.unwrap_or(surfaces.len()) as u32);
             if same.is_none() {
-                // What another material of this or the last scene has made may fit.
-                let known = previous.map_or(&[][..], |p| &p.surfaces).iter().chain(&surfaces);
-                surfaces.push(Surface::new(object, lobes, length_scale, known.map(|s| &s.albedos)));
+                surfaces.push(made);
             }
         }
-        let has_interior = |s: &Surface| s.lobes.has(Lobe::absorption);
-        let camera_sigma = if surfaces.iter().any(has_interior) {
-            let around = geometry.object_around(geometry.normalized(scene.camera.origin));
-            around.map_or([0.0; 3], |object| {
-                let surface = &surfaces[surface_of_object[object as usize] as usize];
-                let inputs = surface.inputs.convert(|x| x as f32);
-                interpret(&inputs, surface.lobes, surface.length_scale as f32).sigma_a.0
-            })
-        } else {
-            [0.0; 3]
+        let lobes = surfaces.iter().fold(LobeSet::EMPTY, |set, s| set.union(s.lobes));
+        let has = |lobe| lobes.has(lobe);
+        let mut camera_medium = CameraMedium { sigma_a: [0.0; 3], sigma_s: [0.0; 3], object: NONE };
+        if (has(Lobe::absorption) || has(Lobe::scattering))
+            && let Some(object) = geometry.object_around(geometry.normalized(scene.camera.origin))
+        {
+            let surface = &surfaces[surface_of_object[object as usize] as usize];
+            let inputs = surface.inputs.convert(|x| x as f32);
+            let optics = interpret(&inputs, surface.lobes, surface.length_scale as f32);
+            camera_medium = CameraMedium { sigma_a: optics.sigma_a.0, sigma_s: optics.sigma_s.0, object };
+        }
+        let radius = |object: &Object| {
+            let extent = f64::from(object.mesh.bounds().size().min_element()) * 0.5 * geometry.scale;
+            if extent.is_finite() { extent.max(1e-6) as f32 } else { 1.0 }
         };
+        sources.drop_unused();
         Self {
             light: Light::new(&scene.environment, tables),
-            has_cut_through: surfaces.iter().any(Surface::has_cut_through),
+            has_images: surfaces.iter().any(Surface::reads_images),
+            sources,
+            has_cut_through: has(Lobe::opacity),
             surfaces,
             surface_of_object,
             camera: scene.camera,
             max_bounces: scene.max_bounces,
-            camera_sigma,
+            camera_medium,
+            has_scattering: has(Lobe::scattering),
+            has_dispersion: has(Lobe::dispersion),
+            radius_of_object: scene.objects.iter().map(radius).collect(),
             pool: previous.map_or_else(Arc::default, |p| p.pool.clone()),
             geometry,
         }

@@ -3,6 +3,7 @@
 use super::batch::Paths;
 use super::sampler::{Group, MAX_LANES, Words, draw, pixel_seed};
 use super::{Prepared, REPLICATES};
+use crate::bsdf::dispersion::spectrum;
 use crate::bvh::NONE;
 use crate::lanes::{Kernel, Lanes};
 use crate::scene::CameraBasis;
@@ -74,7 +75,9 @@ impl Kernel for Raygen<'_> {
     fn run<L: Lanes>(self) {
         let Self { prepared, view, tile, seed, paths } = self;
         let total = tile.paths();
-        let medium = prepared.camera_sigma;
+        let medium = &prepared.camera_medium;
+        // Where nothing reads images, footprints are nobody's concern.
+        let spread = if prepared.has_images { view.spread() } else { 0.0 };
         let (forward, right, up) = (splat(view.basis.forward), splat(view.basis.right), splat(view.basis.up));
         let mut start = 0;
         while start < total {
@@ -103,9 +106,17 @@ impl Kernel for Raygen<'_> {
                     paths.direction[k][path] = d[k];
                     paths.throughput[k][path] = 1.0;
                     paths.radiance[k][path] = 0.0;
-                    paths.sigma[k][path] = medium[k];
+                    paths.sigma_a[k][path] = medium.sigma_a[k];
+                    paths.sigma_s[k][path] = medium.sigma_s[k];
                 }
+                if prepared.has_dispersion {
+                    paths.wavelength[path] = spectrum().wavelength(f64::from(u[2].lane(lane))) as f32;
+                }
+                paths.is_dispersed[path] = false;
+                paths.body[path] = medium.object;
                 paths.pdf[path] = 0.0;
+                paths.cone_width[path] = 0.0;
+                paths.cone_spread[path] = spread;
                 paths.bounces[path] = 0;
                 paths.excluded[path] = NONE;
                 paths.seeds[path] = seeds[lane];

@@ -29,13 +29,13 @@ const GROUPS_PER_VERTEX: u32 = 3;
 /// What a group of four dimensions is for. Numbers keep their meaning also where a decision is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Group {
-    /// Pixel x, pixel y, spare, spare.
+    /// Pixel x, pixel y, wavelength, spare.
     Pixel,
     /// Lobe choice, direction u, direction v, refraction or reflection.
     Bsdf,
     /// Environment u, environment v, spare, roulette.
     Light,
-    /// Opacity; the rest is for media.
+    /// Opacity, channel of a walk through the body; the rest is spare.
     Medium,
 }
 

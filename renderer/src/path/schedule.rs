@@ -139,7 +139,7 @@ fn run_batch(prepared: &Prepared, view: &View, tile: Tile, seed: u64, batch: &mu
         if batch.active.is_empty() {
             break;
         }
-        trace(prepared, batch);
+        trace(prepared, batch, vertex, stats);
         let Batch { paths, active, next, lists, missed, shadows, .. } = &mut *batch;
         if !missed.is_empty() {
             dispatch(Miss { prepared, list: missed, paths, stats });

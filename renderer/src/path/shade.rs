@@ -7,15 +7,17 @@
 
 use super::PassStats;
 use super::batch::{Paths, Shadows, Triples};
-use super::frame::{Frame, Point, facing, point, scale_normal};
+use super::detail::{Footprint, Shading};
+use super::frame::{Frame, Point, point};
 use super::geometry::offset;
 use super::prepared::{Prepared, Surface};
 use super::sampler::{Group, MAX_LANES, draw, per_lane};
-use crate::bsdf::{Bsdf, Optics, View, interpret};
+use crate::bsdf::dispersion::spectrum;
+use crate::bsdf::{Bsdf, Optics, View, Wavelength, interpret};
 use crate::bvh::{Hit, Ray};
 use crate::lanes::{Kernel, Lanes, Mask};
 use crate::vector::{Rgb, V3};
-use burnish_material::{Inputs, Lobe, Property};
+use burnish_material::{Inputs, Lobe};
 use glam::Vec3;
 
 /// Scattering events before roulette may end a path. Earlier roulette costs more noise than it saves time, glass above all.
@@ -62,32 +64,29 @@ impl Shade<'_> {
         let indices = per_lane(0u32, |i| self.paths.indices[id[i]]);
         let wo = -load_vector::<L>(&self.paths.direction, &id);
         let mut throughput = Rgb(load(&self.paths.throughput, &id));
-        let sigma: Rgb<L> = Rgb(load(&self.paths.sigma, &id));
-        if sigma.any() {
-            // The way through the body (Beer and Lambert).
+        let medium: Medium<L> =
+            Medium { sigma_a: Rgb(load(&self.paths.sigma_a, &id)), sigma_s: Rgb(load(&self.paths.sigma_s, &id)) };
+        if medium.sigma_a.any() {
+            // The way through a clear body (Beer and Lambert). A walk has weighted its own.
             let t = L::from_fn(|i| hits[i].t);
-            throughput = throughput.zip(sigma, |b, s| b * (-(s * t)).exp());
+            let is_clear = medium.sigma_s.max_channel().le(L::zero());
+            throughput = throughput.zip(medium.sigma_a, |b, s| b * L::select(is_clear, (-(s * t)).exp(), L::one()));
         }
 
-        let at: Point<L> = point(&prepared.geometry, &hits, surface.needs_tangent(), !surface.textures.is_empty());
+        let at: Point<L> = point(&prepared.geometry, &hits, surface.needs_tangent(), surface.reads_images());
         let is_front = wo.dot(at.ng).gt(L::zero());
-        let (made, mut normal) = (surface.textured(inputs, &at.uv), inputs.normal);
+        let footprint = surface.reads_images().then(|| Footprint::new(&prepared.geometry, &hits, self.paths, &id));
+        let made = footprint.as_ref().and_then(|f| surface.textured(inputs, &at.uv, f.uv));
         let interpreted;
         let optics = match &made {
             Some(inputs) => {
-                normal = inputs.normal;
                 interpreted = interpret(inputs, lobes, L::of(surface.length_scale));
                 &interpreted
             }
             None => uniform,
         };
-        let mut n = at.n;
-        if lobes.has(Lobe::normal_map) {
-            let bent = Frame::along(n, at.tangent).world(scale_normal(normal, surface.inputs.normal_scale));
-            n = V3::select(bent.dot(at.ng).gt(L::zero()), bent, n);
-        }
-        n = facing(n, wo, is_front);
-        let frame = if surface.needs_tangent() { Frame::along(n, at.tangent) } else { Frame::around(n) };
+        let Shading { frame, coat_normal } =
+            surface.shading(&at, made.as_ref().unwrap_or(inputs), footprint.as_ref(), wo, is_front);
 
         // Cut-through: straight on, as if there were no surface. It keeps the density of the last choice of direction.
         let mut is_passed = <L::Mask as Mask>::splat(false);
@@ -114,20 +113,38 @@ impl Shade<'_> {
             direction: -wo,
             throughput,
             pdf: L::from_fn(|i| self.paths.pdf[id[i]]),
-            sigma: Rgb::select(is_front, optics.sigma_a, Rgb::black()),
+            beyond: Medium {
+                sigma_a: Rgb::select(is_front, optics.sigma_a, Rgb::black()),
+                sigma_s: Rgb::select(is_front, optics.sigma_s, Rgb::black()),
+            },
             is_across: is_passed,
             is_alive: is_passed,
         };
         if is_scattered.any() {
-            let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &View { throughput, ..View::new(frame.local(wo)) });
+            let light = lobes.has(Lobe::dispersion).then(|| self.wavelength(&id));
+            let coat_normal = surface.has_coat_normal().then(|| frame.local(coat_normal));
+            let view = View { throughput, light, coat_normal, ..View::new(frame.local(wo)) };
+            let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &view);
             let choice: [L; 4] = draw(Group::Light, self.vertex, &seeds, &indices);
             if prepared.light.is_sampled() {
-                self.connect(&bsdf, &frame, &at, throughput, sigma, choice, is_scattered, &id);
+                self.connect(&bsdf, &frame, &at, wo, throughput, [medium, go.beyond], choice, is_scattered, &id);
             }
             let u: [L; 4] = draw(Group::Bsdf, self.vertex, &seeds, &indices);
-            self.scatter(&bsdf, &frame, &at, wo, choice[3], u, is_scattered, &id, &mut go);
+            let is_dispersing = optics.dispersion.gt(L::zero());
+            self.scatter(&bsdf, &frame, &at, wo, choice[3], u, is_scattered, is_dispersing, &id, &mut go);
         }
-        self.write(&go, &at, sigma, is_passed, &id[..ids.len()], &hits);
+        self.write(&go, &at, medium, is_passed, &id[..ids.len()], &hits);
+    }
+
+    /// Wavelengths of the paths.
+    #[inline(always)]
+    fn wavelength<L: Lanes>(&self, id: &[usize; MAX_LANES]) -> Wavelength<L> {
+        let weights = per_lane([0.0; 3], |i| spectrum().weights(f64::from(self.paths.wavelength[id[i]])));
+        Wavelength {
+            nm: L::from_fn(|i| self.paths.wavelength[id[i]]),
+            weights: Rgb([0, 1, 2].map(|k| L::from_fn(|i| weights[i][k]))),
+            is_dispersed: <L::Mask as Mask>::from_fn(|i| self.paths.is_dispersed[id[i]]),
+        }
     }
 
     /// One light sample, weighted against BSDF sampling by the balance heuristic.
@@ -138,8 +155,9 @@ impl Shade<'_> {
         bsdf: &Bsdf<'_, L>,
         frame: &Frame<L>,
         at: &Point<L>,
+        wo: V3<L>,
         throughput: Rgb<L>,
-        sigma: Rgb<L>,
+        [here, beyond]: [Medium<L>; 2],
         u: [L; 4],
         is_scattered: L::Mask,
         id: &[usize; MAX_LANES],
@@ -158,6 +176,9 @@ impl Shade<'_> {
             return;
         }
         let side = L::select(outwards.gt(zero), L::one(), -L::one());
+        // A connection across the surface starts in the medium beyond it.
+        let is_across = (outwards * wo.dot(at.ng)).lt(zero);
+        let extinction = Rgb::select(is_across, beyond.sigma_a + beyond.sigma_s, here.sigma_a + here.sigma_s);
         for i in 0..L::WIDTH {
             if !is_used.lane(i) {
                 continue;
@@ -172,9 +193,7 @@ impl Shade<'_> {
             self.shadows.rays.push(Ray { excluded, ..Ray::new(origin, direction) });
             self.shadows.contributions.push(contribution);
             self.shadows.paths.push(id[i] as u32);
-            // Transmitted connections start in the other medium; they are blocked by the body's far side unless it is cut
-            // through, and that exception is left to the paths.
-            self.shadows.sigmas.push(lane_of(sigma, i));
+            self.shadows.sigmas.push(lane_of(extinction, i));
         }
     }
 
@@ -190,6 +209,7 @@ impl Shade<'_> {
         roulette: L,
         u: [L; 4],
         is_scattered: L::Mask,
+        is_dispersing: L::Mask,
         id: &[usize; MAX_LANES],
         go: &mut Continuation<L>,
     ) {
@@ -217,6 +237,12 @@ impl Shade<'_> {
         go.throughput = Rgb::select(is_scattered, throughput, go.throughput);
         go.pdf = L::select(is_scattered, L::select(sample.is_delta, zero, sample.pdf), go.pdf);
         go.is_across = go.is_across | (is_scattered & sample.is_transmission);
+        if self.surface.lobes.has(Lobe::dispersion) {
+            let disperses = is_alive & sample.is_transmission & is_dispersing;
+            for (i, id) in id.iter().enumerate().take(L::WIDTH) {
+                self.paths.is_dispersed[*id] |= disperses.lane(i);
+            }
+        }
         go.is_alive = go.is_alive | is_alive;
     }
 
@@ -226,25 +252,38 @@ impl Shade<'_> {
         &mut self,
         go: &Continuation<L>,
         at: &Point<L>,
-        sigma: Rgb<L>,
+        here: Medium<L>,
         is_passed: L::Mask,
         id: &[usize],
         hits: &[Hit; MAX_LANES],
     ) {
-        let sigma = Rgb::select(go.is_across, go.sigma, sigma);
+        let sigma_a = Rgb::select(go.is_across, go.beyond.sigma_a, here.sigma_a);
+        let sigma_s = Rgb::select(go.is_across, go.beyond.sigma_s, here.sigma_s);
+        let is_scattering = sigma_s.max_channel().gt(L::zero());
         let outwards = go.direction.dot(at.ng);
         let side = L::select(outwards.gt(L::zero()), L::one(), -L::one());
         for (i, &id) in id.iter().enumerate() {
             if !go.is_alive.lane(i) {
                 continue;
             }
-            let origin = leave(lane_vector(at.position, i), lane_vector(at.ng, i) * side.lane(i)).to_array();
+            let position = lane_vector(at.position, i);
+            // A walk may be shorter than the step off the surface.
+            let origin =
+                if is_scattering.lane(i) { position } else { leave(position, lane_vector(at.ng, i) * side.lane(i)) }.to_array();
             let direction = lane_vector(go.direction, i).to_array();
+            if self.prepared.has_images {
+                // What passes straight on keeps the density of an earlier choice, which the cone knows already.
+                self.paths.extend_cone(id, if is_passed.lane(i) { 0.0 } else { go.pdf.lane(i) });
+            }
             for k in 0..3 {
                 self.paths.origin[k][id] = origin[k];
                 self.paths.direction[k][id] = direction[k];
                 self.paths.throughput[k][id] = go.throughput.0[k].lane(i);
-                self.paths.sigma[k][id] = sigma.0[k].lane(i);
+                self.paths.sigma_a[k][id] = sigma_a.0[k].lane(i);
+                self.paths.sigma_s[k][id] = sigma_s.0[k].lane(i);
+            }
+            if go.is_across.lane(i) {
+                self.paths.body[id] = self.prepared.geometry.triangles[hits[i].triangle as usize][3];
             }
             self.paths.pdf[id] = go.pdf.lane(i);
             self.paths.excluded[id] = hits[i].triangle;
@@ -254,21 +293,29 @@ impl Shade<'_> {
     }
 }
 
+/// Coefficients of a body, 1/normalised unit; zeros outside.
+#[derive(Clone, Copy)]
+struct Medium<L: Lanes> {
+    sigma_a: Rgb<L>,
+    sigma_s: Rgb<L>,
+}
+
 /// How the paths of a group go on.
 struct Continuation<L: Lanes> {
     direction: V3<L>,
     throughput: Rgb<L>,
     pdf: L,
-    /// Absorption of the medium behind the surface, as seen by the viewer.
-    sigma: Rgb<L>,
+    /// The medium behind the surface, as seen by the viewer.
+    beyond: Medium<L>,
     is_across: L::Mask,
     is_alive: L::Mask,
 }
 
 impl Surface {
-    /// Inputs with images looked up; `None` for a material without images.
+    /// Inputs with images looked up, at the level for a footprint (a length in uv; 0 reads the finest); `None` for a material
+    /// without images.
     #[inline(always)]
-    pub(super) fn textured<L: Lanes>(&self, inputs: &Inputs<L>, uv: &[L; 2]) -> Option<Inputs<L>> {
+    pub(super) fn textured<L: Lanes>(&self, inputs: &Inputs<L>, uv: &[L; 2], footprint: L) -> Option<Inputs<L>> {
         if self.textures.is_empty() {
             return None;
         }
@@ -276,10 +323,9 @@ impl Surface {
         for texture in &self.textures {
             let mut texels = [[0.0; MAX_LANES]; 3];
             for i in 0..L::WIDTH {
-                let value = texture.lookup([uv[0].lane(i), uv[1].lane(i)]);
+                let value = texture.lookup([uv[0].lane(i), uv[1].lane(i)], texture.level(footprint.lane(i)));
                 for k in 0..3 {
-                    // Normal maps store directions as 0 to 1.
-                    texels[k][i] = if texture.property == Property::normal { 2.0 * value[k] - 1.0 } else { value[k] };
+                    texels[k][i] = value[k];
                 }
             }
             texture.apply(&texels, &mut inputs);
@@ -288,13 +334,13 @@ impl Surface {
     }
 }
 
-/// Opacity of a surface at a hit, and the absorption (1/normalised unit) of the body below it.
+/// Opacity of a surface at a hit, and the extinction (1/normalised unit) of the body below it.
 pub(super) fn opacity_at(prepared: &Prepared, surface: &Surface, hit: &Hit) -> (f32, [f32; 3]) {
     let at: Point<f32> = point(&prepared.geometry, &[*hit; MAX_LANES], false, !surface.textures.is_empty());
     let uniform = surface.inputs.convert(|x| x as f32);
-    let inputs = surface.textured(&uniform, &at.uv).unwrap_or(uniform);
+    let inputs = surface.textured(&uniform, &at.uv, 0.0).unwrap_or(uniform);
     let optics = interpret(&inputs, surface.lobes, surface.length_scale as f32);
-    (optics.opacity, optics.sigma_a.0)
+    (optics.opacity, (optics.sigma_a + optics.sigma_s).0)
 }
 
 /// Adds light to a path, or counts why not.

@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
 /// A sphere around the origin.
-fn sphere(radius: f32, rings: u32) -> Mesh {
+pub(super) fn sphere(radius: f32, rings: u32) -> Mesh {
     let mut mesh = Mesh::default();
     for i in 0..=rings {
         for j in 0..=2 * rings {
@@ -63,27 +63,27 @@ fn glass() -> Arc<Material> {
     ])
 }
 
-fn object(mesh: Mesh, material: Arc<Material>) -> Object {
+pub(super) fn object(mesh: Mesh, material: Arc<Material>) -> Object {
     Object { mesh: Arc::new(mesh), material, textures: Arc::default(), is_document: true, length_scale: 1.0 }
 }
 
-fn environment(f: impl Fn(usize, usize) -> f32) -> EnvironmentLight {
+pub(super) fn environment(f: impl Fn(usize, usize) -> f32) -> EnvironmentLight {
     let texels = (0..64 * 32).map(|i| [f(i % 64, i / 64); 3]).collect();
     let map = Arc::new(Environment { name: "test".to_owned(), width: 64, height: 32, texels });
     EnvironmentLight { map, rotation_deg: 25.0, scale: 1.0 }
 }
 
 /// Grey with a bright window.
-fn window() -> EnvironmentLight {
+pub(super) fn window() -> EnvironmentLight {
     environment(|i, j| if (20..26).contains(&i) && (8..12).contains(&j) { 40.0 } else { 0.4 })
 }
 
-fn scene(objects: Vec<Object>, environment: EnvironmentLight) -> Scene {
+pub(super) fn scene(objects: Vec<Object>, environment: EnvironmentLight) -> Scene {
     let camera = Camera { origin: Vec3::new(0.4, 0.7, 3.2), target: Vec3::ZERO, up: Vec3::Y, fov_deg: 40.0 };
     Scene { objects, environment, camera, max_bounces: 16 }
 }
 
-fn picture(scene: &Scene, size: usize, passes: &[u32], threads: usize) -> (Film, PassStats) {
+pub(super) fn picture(scene: &Scene, size: usize, passes: &[u32], threads: usize) -> (Film, PassStats) {
     let prepared = Prepared::new(scene, None);
     let mut film = Film::new(size, size);
     let mut total = PassStats::default();
@@ -93,7 +93,7 @@ fn picture(scene: &Scene, size: usize, passes: &[u32], threads: usize) -> (Film,
     (film, total)
 }
 
-fn average(film: &Film) -> f64 {
+pub(super) fn average(film: &Film) -> f64 {
     let mean = film.mean();
     mean.iter().flatten().map(|c| f64::from(*c)).sum::<f64>() / (3 * mean.len()) as f64
 }
@@ -232,7 +232,7 @@ fn one_lane_shades_as_many_do() {
         let mut stats = PassStats::default();
         batch.begin(tile.paths(), prepared.surfaces.len());
         Raygen { prepared: &prepared, view: &view, tile, seed: 3, paths: &mut batch.paths }.run::<f32>();
-        trace(&prepared, &mut batch);
+        trace(&prepared, &mut batch, 0, &mut PassStats::default());
         let Batch { paths, next, lists, shadows, .. } = &mut batch;
         for (surface, list) in prepared.surfaces.iter().zip(lists.iter()) {
             let shade = Shade {

@@ -1,16 +1,17 @@
 //! Second stage: nearest hits, sorted into lists by surface; and the free way of light connections.
 
-use super::Prepared;
 use super::batch::{Batch, Shadows};
+use super::scatter::scatter;
 use super::shade::opacity_at;
+use super::{PassStats, Prepared};
 use crate::bvh::{Hit, Ray};
 use glam::Vec3;
 
 /// Interfaces that a ray may pass straight through before it counts as blocked.
 pub(super) const PASS_LIMIT: u32 = 128;
 
-/// Traces the active paths and puts each into the list of what it hit.
-pub(super) fn trace(prepared: &Prepared, batch: &mut Batch) {
+/// Traces the active paths and puts each into the list of what it hit; those in scattering bodies after their walk.
+pub(super) fn trace(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: &mut PassStats) {
     let Batch { paths, active, lists, missed, rays, order, hits, .. } = batch;
     let at = |triple: &super::batch::Triples, i: usize| Vec3::new(triple[0][i], triple[1][i], triple[2][i]);
     order_by_direction(active, &paths.direction, order);
@@ -23,6 +24,9 @@ pub(super) fn trace(prepared: &Prepared, batch: &mut Batch) {
     prepared.geometry.bvh.trace(rays, hits);
     for (&i, hit) in order.iter().zip(hits.iter()) {
         paths.hits[i as usize] = *hit;
+    }
+    if prepared.has_scattering {
+        scatter(prepared, paths, active, vertex, stats);
     }
     lists.iter_mut().for_each(Vec::clear);
     missed.clear();

@@ -1,16 +1,27 @@
 //! What leaving lobes out saves: the preview with more lobes than a material needs, and the time that pipelines take.
 
+use super::albedos::drawn_lobes;
 use super::device::PreviewError;
-use super::{Drawn, Preview, own_lobes};
+use super::{Drawn, Preview};
+use crate::scene::Object;
 use burnish_material::LobeSet;
 use std::time::{Duration, Instant};
 
+fn lobes_of(object: &Object, more: LobeSet) -> LobeSet {
+    drawn_lobes(&object.material).union(if object.is_document { more } else { LobeSet::EMPTY })
+}
+
 impl Preview {
+    /// Lobes that an object is drawn with.
+    pub(super) fn lobes_of(&self, object: &Object) -> LobeSet {
+        lobes_of(object, self.more)
+    }
+
     /// Evaluates these lobes also where the edited material does not need them: the picture is the same. [`LobeSet::all`] leaves nothing out.
     pub fn set_more_lobes(&mut self, more: LobeSet) {
         self.more = more;
         for drawn in &mut self.objects {
-            drawn.lobes = own_lobes(&drawn.object, more);
+            drawn.lobes = lobes_of(&drawn.object, more);
         }
         self.steps = 0;
     }

@@ -1,4 +1,4 @@
-// What every pass of the preview is given: camera, light, floor and tables. Mirrors `FrameBlock` in `upload.rs`.
+// What every pass of the preview is given: camera, light, floor and the tables of albedos. Mirrors `FrameBlock` in `upload.rs`.
 
 struct Frame {
     // Camera position; w: distance of the near plane.

@@ -58,11 +58,12 @@ fn reflected_color(o: Optics) -> vec3f {
     return o.base_color * (o.w_metal + o.w_diffuse) + vec3f(0.04 * (1.0 - o.w_metal));
 }
 
-// Reflected radiance of all lobes but the diffuse one.
+// Reflected radiance of all lobes but those that the irradiance lights: diffuse and further metallic scattering.
 fn reflections(prepared: Bsdf, s: Surface, near_radiance: vec3f) -> vec3f {
     var b = prepared;
     b.p_diffuse = 0.0;
     b.diffuse_scale = 0.0;
+    b.metal_scale = vec3f(0.0);
     let total = b.p_coat + b.p_sheen + b.p_interface;
     if total <= 0.0 {
         return vec3f(0.0);
@@ -122,15 +123,23 @@ fn reflections(prepared: Bsdf, s: Surface, near_radiance: vec3f) -> vec3f {
     return radiance;
 }
 
-// Diffuse radiance under irradiance `light`. The coupling with the reflecting surface takes its mean over all light.
+// Radiance under irradiance `light` of the lobes that spread it: diffuse and further metallic scattering. Their coupling with the
+// reflecting surface takes its mean over all light.
 fn diffuse(b: Bsdf, light: vec3f) -> vec3f {
-    let mean = dielectric_albedo_mean(b.optics.eta_specular, b.optics.roughness);
+    let base = grid_base(b.optics.albedos);
+    var spread = vec3f(0.0);
+    if HAS_DIFFUSE {
+        spread = b.optics.base_color * (b.diffuse_scale * grid_mean(base, DIELECTRIC_MISS, b.place));
+    }
+    if HAS_METAL && HAS_MULTIPLE_SCATTERING {
+        spread = spread + b.metal_scale * grid_mean(base, METAL_MISS, b.place);
+    }
     var layers = b.below_coat;
     if HAS_COAT {
         // Mean exponent of the coat's tint over cosine-weighted directions: model reference 8.3.
         layers = layers * exp(b.optics.coat_ln_tint * 0.546);
     }
-    return b.optics.base_color * (b.diffuse_scale * (1.0 - mean) * b.below_sheen) * layers * light;
+    return spread * b.below_sheen * layers * light;
 }
 
 // Direction of a normal map in tangent space, stronger or weaker by `scale`: model reference 13.
@@ -152,7 +161,8 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
         rows = mapped_rows(rows, place);
     }
     let inputs = inputs_from_rows(rows);
-    let optics = interpret(inputs, object.params.x);
+    var optics = interpret(inputs, object.params.x);
+    optics.albedos = u32(object.params.y);
 
     var s: Surface;
     s.position = in.position;
@@ -189,9 +199,9 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
     var wo = to_local(s, toward);
     // Interpolated normals turn away a little before the surface does.
     wo = unit_or_z(vec3f(wo.xy, max(wo.z, 0.02)));
-    let prepared = bsdf_prepare(optics, wo, vec3f(1.0));
+    let prepared = bsdf_prepare(optics, view_new(wo));
     var radiance = reflections(prepared, s, near_radiance);
-    if HAS_DIFFUSE {
+    if HAS_DIFFUSE || (HAS_METAL && HAS_MULTIPLE_SCATTERING) {
         radiance += diffuse(prepared, light);
     }
     if HAS_EMISSION {

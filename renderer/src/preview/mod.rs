@@ -23,6 +23,7 @@
 //! * Left out: scattering in the body, dispersion, height, the maps of occlusion and thickness, and the normal map of the coat
 //!   (the coat follows the mapped surface).
 
+mod albedos;
 mod bake;
 mod bake_job;
 mod cost;
@@ -39,6 +40,7 @@ mod upload;
 pub use device::{PreviewError, device_descriptor, headless_device};
 pub use shader::{albedo_table_values, twin_shader};
 
+use crate::bsdf::Albedos;
 use crate::scene::{Object, Scene};
 use crate::tonemap::Display;
 use bake::Baker;
@@ -53,7 +55,6 @@ use pipelines::{PipelineKind, Pipelines};
 use std::sync::Arc;
 use targets::Targets;
 use upload::{FrameBlock, MeshBuffers};
-use wgpu::util::DeviceExt;
 
 /// Pictures after which nothing visible changes any more.
 const STEPS_MAX: u32 = 64;
@@ -63,13 +64,17 @@ const STEPS_MAX: u32 = 64;
 pub struct Preview {
     pipelines: Pipelines,
     samplers: Samplers,
-    tables: wgpu::Buffer,
+    tables: albedos::Tables,
     frame_blocks: Vec<wgpu::Buffer>,
     frame_binds: Vec<wgpu::BindGroup>,
     output_blocks: Vec<wgpu::Buffer>,
+    /// What is drawn: the scene that was set last, with earlier objects while the tables of its own are being filled.
     scene: Option<Scene>,
+    /// The scene that was set last.
+    wanted: Option<Scene>,
     light: Option<Light>,
     filtering: Option<take::Filtering>,
+    filling: Option<albedos::Filling>,
     stage: Stage,
     objects: Vec<Drawn>,
     baker: Baker,
@@ -117,15 +122,13 @@ struct Stage {
 struct Drawn {
     object: Object,
     lobes: LobeSet,
+    albedos: Arc<Albedos>,
+    /// Where its albedos begin in the tables.
+    begin: u32,
     buffers: Arc<MeshBuffers>,
     block: wgpu::Buffer,
     maps: wgpu::TextureView,
     bind: wgpu::BindGroup,
-}
-
-/// Lobes that an object is drawn with.
-fn own_lobes(object: &Object, more: LobeSet) -> LobeSet {
-    LobeSet::of(&object.material).union(if object.is_document { more } else { LobeSet::EMPTY })
 }
 
 impl Drawn {
@@ -153,23 +156,20 @@ impl Preview {
         let (frame_blocks, output_blocks) = guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || {
             (blocks("frame", size_of::<FrameBlock>()), blocks("output", 16))
         })?;
-        let tables = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("albedo tables"),
-            contents: bytemuck::cast_slice(&albedo_table_values()),
-            usage: wgpu::BufferUsages::STORAGE,
-        });
         let black = || upload::upload_levels(device, queue, "no floor", &[upload::black()]);
         let stage = Stage { key: Vec::new(), floor: None, radiance: black()?, light: black()? };
         Ok(Self {
             pipelines,
             samplers: Samplers::new(device),
-            tables,
+            tables: albedos::Tables::new(device)?,
             frame_blocks,
             frame_binds: Vec::new(),
             output_blocks,
             scene: None,
+            wanted: None,
             light: None,
             filtering: None,
+            filling: None,
             stage,
             objects: Vec::new(),
             baker: Baker::default(),
@@ -198,9 +198,9 @@ impl Preview {
         self.error.as_ref()
     }
 
-    /// Whether light or occlusion is still being computed, or a pipeline compiled: the picture will still change.
+    /// Whether light, occlusion or albedos are still being computed, or a pipeline compiled: the picture will still change.
     pub fn is_settling(&self) -> bool {
-        self.baker.is_busy() || self.pipelines.is_waiting() || self.filtering.is_some()
+        self.baker.is_busy() || self.pipelines.is_waiting() || self.filtering.is_some() || self.filling.is_some()
     }
 
     /// Draws one more frame and adds it to the mean. Returns whether further frames would refine the picture.
@@ -233,7 +233,7 @@ impl Preview {
         height: u32,
         display: Display,
     ) -> Result<bool, PreviewError> {
-        self.take_filtered(device, queue)?;
+        self.take_finished(device, queue)?;
         let Some(scene) = self.scene.clone() else { return Ok(false) };
         let limit = device.limits().max_texture_dimension_2d;
         let (width, height) = (width.clamp(1, limit), height.clamp(1, limit));
@@ -380,11 +380,11 @@ impl Preview {
         height: u32,
         frames: u32,
     ) -> Result<Vec<[f32; 4]>, PreviewError> {
-        self.compile(device)?;
-        while self.filtering.is_some() {
+        while self.filtering.is_some() || self.filling.is_some() {
             std::thread::sleep(std::time::Duration::from_millis(2));
-            self.take_filtered(device, queue)?;
+            self.take_finished(device, queue)?;
         }
+        self.compile(device)?;
         self.baker.wait();
         for _ in 0..frames.max(1) {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("preview") });

@@ -10,7 +10,7 @@ struct Object {
     map_matrix: array<vec4f, 32>,
     // Per map: xy shift, z: 0 repeat, 1 clamp, 2 mirror.
     map_shift: array<vec4f, 32>,
-    // x: scene units per unit of length of the material.
+    // x: scene units per unit of length of the material; y: where the words of its albedos begin.
     params: vec4f,
 }
 

@@ -3,7 +3,10 @@
 //! There is no preprocessor: declarations may stand in any order, so a shader is a list of files one after the other, and
 //! lobes are switched by `override` constants that the lobe table prints.
 
-use crate::bsdf::tables::{CONTRASTS, COSINES, ROUGHNESSES, tables};
+use crate::bsdf::Albedos;
+use crate::bsdf::albedos::{AXES, HEAD};
+use crate::bsdf::dispersion::{LAMBDA_D, WAVELENGTH_RANGE, spectrum};
+use crate::bsdf::tables::{COSINES, ROUGHNESSES, sheen_table};
 use crate::lanes::Lanes;
 use burnish_material::{ASM_MATERIAL_WGSL, LOBES, PROPERTIES, Vary};
 use std::fmt::Write;
@@ -17,7 +20,7 @@ macro_rules! file {
     };
 }
 
-/// Constants that are written once in Rust: lobe switches, table sizes, the smallest alpha, and which rows may be textured.
+/// Constants that are written once in Rust: lobe switches, table sizes, the smallest alpha, wavelengths.
 fn printed() -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
@@ -25,15 +28,15 @@ fn printed() -> String {
         _ = writeln!(text, "override {}: bool = true;", def.switch);
     }
     _ = writeln!(text, "const ALPHA_MIN: f32 = {:e};", <f32 as Lanes>::ALPHA_MIN);
-    for (name, value) in [
-        ("CONTRASTS", CONTRASTS),
-        ("ROUGHNESSES", ROUGHNESSES),
-        ("COSINES", COSINES),
-        ("ALBEDO_MEAN_BEGIN", tables().albedo.len()),
-        ("SHEEN_BEGIN", tables().albedo.len() + tables().albedo_mean.len()),
-    ] {
+    for (name, value) in [("ROUGHNESSES", ROUGHNESSES), ("COSINES", COSINES), ("AXES", AXES), ("HEAD", HEAD)] {
         _ = writeln!(text, "const {name}: u32 = {value};");
     }
+    let [first, last] = WAVELENGTH_RANGE;
+    for (name, value) in [("WAVELENGTH_FIRST", first), ("WAVELENGTH_LAST", last), ("LAMBDA_D", LAMBDA_D)] {
+        _ = writeln!(text, "const {name}: f32 = {value:e};");
+    }
+    let [r, g, b] = spectrum().inverse_square;
+    _ = writeln!(text, "const INVERSE_SQUARE = vec3f({r:e}, {g:e}, {b:e});");
     text
 }
 
@@ -57,8 +60,12 @@ fn twins() -> Vec<Piece> {
         file!("bsdf/coat.wgsl"),
         file!("bsdf/sheen.wgsl"),
         file!("bsdf/tables.wgsl"),
+        file!("bsdf/albedos.wgsl"),
+        file!("bsdf/dispersion.wgsl"),
         file!("bsdf/interpret.wgsl"),
         file!("bsdf/bsdf.wgsl"),
+        file!("bsdf/eval.wgsl"),
+        file!("bsdf/sample.wgsl"),
     ]
 }
 
@@ -133,10 +140,18 @@ pub fn twin_shader(extra: &str) -> String {
     join(&pieces)
 }
 
-/// What `albedo_tables` holds in every shader.
-pub fn albedo_table_values() -> Vec<f32> {
-    let t = tables();
-    [&t.albedo[..], &t.albedo_mean, &t.sheen].concat()
+/// What `albedo_tables` holds: the table of sheen, then the words of each material. The second list says where those begin.
+pub fn albedo_table_values<'a>(materials: impl IntoIterator<Item = &'a Albedos>) -> (Vec<f32>, Vec<u32>) {
+    let mut values = sheen_table().to_vec();
+    let begins = materials
+        .into_iter()
+        .map(|albedos| {
+            let begin = values.len() as u32;
+            values.extend(albedos.words());
+            begin
+        })
+        .collect();
+    (values, begins)
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 use super::device::PreviewError;
 use super::environment::{self, Prefiltered};
-use super::{Drawn, Light, Preview, Stage, floor, own_lobes, upload};
+use super::{Drawn, Light, Preview, Stage, floor, upload};
+use crate::bsdf::Albedos;
 use crate::scene::{Object, Scene};
 use burnish_assets::Environment;
 use glam::Vec3;
@@ -32,10 +33,15 @@ impl Filtering {
 
 impl Preview {
     pub(super) fn take_scene(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<(), PreviewError> {
+        self.wanted = Some(scene.clone());
+        let (objects, albedos) = self.objects_with_albedos(scene);
+        let scene = &Scene { objects, ..scene.clone() };
         let mut is_rebound = self.frame_binds.is_empty();
         is_rebound |= self.take_stage(device, queue, scene)?;
         is_rebound |= self.take_light(device, queue, scene)?;
-        let is_changed = self.take_objects(device, queue, scene)?;
+        let (begins, is_moved) = self.tables.hold(device, queue, &albedos)?;
+        is_rebound |= is_moved;
+        let is_changed = self.take_objects(device, queue, scene, &albedos, &begins)?;
         let is_same_view = self.scene.as_ref().is_some_and(|old| {
             old.camera == scene.camera
                 && old.environment.rotation_deg == scene.environment.rotation_deg
@@ -114,15 +120,22 @@ impl Preview {
         Ok(true)
     }
 
-    /// Takes the environment that has been filtered meanwhile, if it is ready.
-    pub(super) fn take_filtered(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), PreviewError> {
-        if let (Some(_), Some(scene)) = (&self.filtering, self.scene.clone()) {
-            self.take_scene(device, queue, &scene)?;
+    /// Takes the environment that has been filtered and the albedos that have been filled meanwhile, if they are ready.
+    pub(super) fn take_finished(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), PreviewError> {
+        if self.filtering.is_none() && self.filling.is_none() {
+            return Ok(());
         }
-        Ok(())
+        self.wanted.clone().map_or(Ok(()), |scene| self.take_scene(device, queue, &scene))
     }
 
-    fn take_objects(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
+    fn take_objects(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scene: &Scene,
+        albedos: &[Arc<Albedos>],
+        begins: &[u32],
+    ) -> Result<bool, PreviewError> {
         let mut is_changed = self.objects.len() != scene.objects.len();
         let mut old: Vec<Option<Drawn>> = self.objects.drain(..).map(Some).collect();
         for (i, object) in scene.objects.iter().enumerate() {
@@ -135,13 +148,15 @@ impl Preview {
             let is_same = found.as_ref().is_some_and(|d| {
                 Arc::ptr_eq(&d.object.textures, &object.textures)
                     && d.object.length_scale == object.length_scale
+                    && d.begin == begins[i]
+                    && Arc::ptr_eq(&d.albedos, &albedos[i])
                     && (Arc::ptr_eq(&d.object.material, &object.material) || *d.object.material == *object.material)
             });
             let drawn = match found {
                 Some(drawn) if is_same => Drawn { object: object.clone(), ..drawn },
                 found => {
                     is_changed = true;
-                    self.upload_object(device, queue, object, found)?
+                    self.upload_object(device, queue, object, (&albedos[i], begins[i]), found)?
                 }
             };
             self.objects.push(drawn);
@@ -154,10 +169,11 @@ impl Preview {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         object: &Object,
+        (albedos, begin): (&Arc<Albedos>, u32),
         previous: Option<Drawn>,
     ) -> Result<Drawn, PreviewError> {
-        let block = upload::object_block(object);
-        let lobes = own_lobes(object, self.more);
+        let block = upload::object_block(object, begin);
+        let (lobes, albedos) = (self.lobes_of(object), albedos.clone());
         if let Some(mut drawn) = previous {
             queue.write_buffer(&drawn.block, 0, bytemuck::bytes_of(&block));
             let slots = |o: &Object| o.material.slots().map(|(_, s)| s.texture.clone()).collect::<Vec<_>>();
@@ -165,9 +181,7 @@ impl Preview {
                 drawn.maps = upload::upload_maps(device, queue, object)?;
                 drawn.bind = self.bind_object(device, &drawn.block, &drawn.maps);
             }
-            drawn.object = object.clone();
-            drawn.lobes = lobes;
-            return Ok(drawn);
+            return Ok(Drawn { object: object.clone(), lobes, albedos, begin, ..drawn });
         }
         let buffers = Arc::new(upload::upload_mesh(device, &object.mesh)?);
         let block = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -177,7 +191,7 @@ impl Preview {
         });
         let maps = upload::upload_maps(device, queue, object)?;
         let bind = self.bind_object(device, &block, &maps);
-        Ok(Drawn { object: object.clone(), lobes, buffers, block, maps, bind })
+        Ok(Drawn { object: object.clone(), lobes, albedos, begin, buffers, block, maps, bind })
     }
 
     fn bind_object(&self, device: &wgpu::Device, block: &wgpu::Buffer, maps: &wgpu::TextureView) -> wgpu::BindGroup {
@@ -211,7 +225,7 @@ impl Preview {
                         view(4, &self.stage.light),
                         view(5, &self.stage.radiance),
                         sampler(6, &self.samplers.floor),
-                        wgpu::BindGroupEntry { binding: 7, resource: self.tables.as_entire_binding() },
+                        wgpu::BindGroupEntry { binding: 7, resource: self.tables.buffer.as_entire_binding() },
                     ],
                 })
             })

@@ -102,13 +102,14 @@ pub(super) fn upload_mesh(device: &wgpu::Device, mesh: &Mesh) -> Result<MeshBuff
     })
 }
 
-/// The uniform block of an object; textures get their layers in the order of the property table.
-pub(super) fn object_block(object: &Object) -> ObjectBlock {
+/// The uniform block of an object whose albedos begin at a place of the tables; textures get their layers in the order of the
+/// property table.
+pub(super) fn object_block(object: &Object, albedos: u32) -> ObjectBlock {
     let mut block = ObjectBlock {
         rows: [[0.0; 4]; PROPERTY_COUNT],
         map_matrix: [[1.0, 0.0, 0.0, 1.0]; MAPS_MAX],
         map_shift: [[0.0; 4]; MAPS_MAX],
-        params: [object.length_scale as f32, 0.0, 0.0, 0.0],
+        params: [object.length_scale as f32, albedos as f32, 0.0, 0.0],
     };
     for def in PROPERTIES {
         block.rows[def.id as usize] = object.material.value(def.id).row();
@@ -296,8 +297,9 @@ mod tests {
             is_document: true,
             length_scale: 1.0,
         };
-        let block = object_block(&object);
+        let block = object_block(&object, 1024);
         assert_eq!(block.rows[Property::roughness as usize], [0.3, 0.3, 0.3, -1.0]);
+        assert_eq!(block.params[1], 1024.0);
         assert_eq!(std::mem::size_of::<ObjectBlock>(), (PROPERTY_COUNT + 2 * MAPS_MAX + 1) * 16);
     }
 }

@@ -3,7 +3,7 @@
 use super::{Numbers, PRECISION_FLOOR, Worst};
 use crate::bsdf::{Albedos, Bsdf, Optics, View, Wavelength, dispersion, interpret};
 use crate::lanes::Lanes;
-use crate::path::{Prepared, evaluated_lobes};
+use crate::path::Prepared;
 use crate::scene::{Object, Scene};
 use crate::tonemap::srgb_decode;
 use crate::vector::{Rgb, V3};
@@ -101,7 +101,7 @@ pub(super) fn probe_materials(scene: &Scene, prepared: &Prepared, numbers: &mut 
 }
 
 fn probe_object(object: &Object, prepared: &Prepared, numbers: &mut Numbers, cancel: &dyn Fn() -> bool) {
-    let lobes = LobeSet::of(&object.material).union(evaluated_lobes(&object.material, LobeSet::EMPTY));
+    let lobes = LobeSet::of(&object.material);
     let single = |inputs: &Inputs<f64>| inputs.convert(|x| f64::from(x as f32));
     let uniform = single(&object.material.inputs());
     let is_textured = |property: Property| texture_of(object, property).is_some();

@@ -1,0 +1,72 @@
+//! Between tracing and shading: paths inside scattering bodies walk until they meet a surface.
+
+use super::PassStats;
+use super::batch::Paths;
+use super::prepared::Prepared;
+use super::sampler::{Group, MAX_LANES, draw};
+use super::walk::{Body, End, Entry, Medium, Method, WalkStats, walk};
+use crate::bvh::{Hit, NONE};
+use glam::Vec3;
+
+/// Walks on with the paths of `active` that are in a scattering body; their first segments have been traced. Those that meet a surface get
+/// that hit; the others are removed. `vertex` counts the interfaces that each path met before.
+pub(super) fn scatter(prepared: &Prepared, paths: &mut Paths, active: &mut Vec<u32>, vertex: u32, stats: &mut PassStats) {
+    let mut done = WalkStats::default();
+    active.retain(|&id| {
+        let i = id as usize;
+        let sigma_s = [0, 1, 2].map(|k| paths.sigma_s[k][i]);
+        sigma_s.iter().all(|s| *s <= 0.0) || step(prepared, paths, i, sigma_s, vertex, &mut done)
+    });
+    stats.walks += done.walks;
+    stats.collisions += done.collisions;
+    stats.cut_walks += done.cut;
+}
+
+/// One walk. False: nothing is left of the path.
+fn step(prepared: &Prepared, paths: &mut Paths, i: usize, sigma_s: [f32; 3], vertex: u32, done: &mut WalkStats) -> bool {
+    let at = |triple: &super::batch::Triples| [0, 1, 2].map(|k| triple[k][i]);
+    let medium = Medium { sigma_s, sigma_a: at(&paths.sigma_a) };
+    let radius = prepared.radius_of_object.get(paths.body[i] as usize).copied().unwrap_or(1.0);
+    let triangle = paths.excluded[i];
+    let direction = Vec3::from(at(&paths.direction));
+    let normal = if triangle == NONE { -direction } else { Vec3::from(prepared.geometry.normals[triangle as usize]) };
+    let u = draw::<f32>(Group::Medium, vertex, &[paths.seeds[i]; MAX_LANES], &[paths.indices[i]; MAX_LANES]);
+    let entry = Entry {
+        position: Vec3::from(at(&paths.origin)).as_dvec3(),
+        direction,
+        triangle,
+        normal,
+        throughput: at(&paths.throughput),
+        first: paths.hits[i],
+        seed: paths.seeds[i],
+        index: paths.indices[i],
+        vertex,
+        channel_u: u[1],
+    };
+    let collisions = done.collisions;
+    match walk(prepared.geometry.as_ref(), &Body::new(&medium, radius), &entry, Method::Jumping, done) {
+        End::Surface { hit, position, direction, throughput } => {
+            paths.hits[i] = hit;
+            let position = position.as_vec3();
+            for k in 0..3 {
+                paths.origin[k][i] = position[k];
+                paths.direction[k][i] = direction[k];
+                paths.throughput[k][i] = throughput[k];
+            }
+            if done.collisions > collisions {
+                // Light sampling could not have found what scattering sends out.
+                paths.pdf[i] = 0.0;
+            }
+            true
+        }
+        // Nothing arrives through a scattering body without end, but for channels that it does not touch.
+        End::Lost { throughput, .. } => {
+            for k in 0..3 {
+                paths.throughput[k][i] = throughput[k];
+            }
+            paths.hits[i] = Hit::MISS;
+            throughput.iter().any(|t| *t > 0.0)
+        }
+        End::Absorbed => false,
+    }
+}
