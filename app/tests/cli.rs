@@ -528,3 +528,45 @@ fn an_interrupted_render_exits_with_130_and_leaves_nothing() {
     assert_eq!((code, run.out.as_str()), (Some(130), ""), "{}", run.err);
     assert_eq!(place.names(), before);
 }
+
+#[test]
+fn stability_probes_materials_and_what_their_images_reach() {
+    let place = Place::new();
+    let run = place.run(&["stability", "red.asm.ron", "--mesh", "sphere", "--json"]);
+    assert_eq!(run.code, Some(0), "{}{}", run.out, run.err);
+    let json = run.json();
+    let cases = json["cases"].as_array().unwrap();
+    assert!(cases.len() > 2 && json["failed"] == 0, "{json}");
+    assert_eq!(cases[0]["name"], "red.asm.ron");
+    for case in cases {
+        assert!(case["holds"].is_boolean() && case["worst"].is_string() && case["seconds"].is_number(), "{case}");
+        assert!(case["numbers"]["time_ratio"].is_number() && case["numbers"]["nonfinite"].is_number(), "{case}");
+    }
+    let text = place.run(&["stability", "--scene", "scenes/quad.json", "--threads", "1"]);
+    assert_eq!(text.code, Some(0), "{}{}", text.out, text.err);
+    assert!(text.out.contains("holds") && text.out.ends_with("0 do not hold\n"), "{}", text.out);
+
+    let missing = place.run(&["stability", "nowhere.asm.ron", "--json"]);
+    assert_eq!((missing.code, missing.out.as_str()), (Some(2), ""));
+    assert_eq!(missing.err.lines().count(), 1);
+}
+
+#[test]
+fn features_names_what_switches_each_lobe_and_measures() {
+    let place = Place::new();
+    let words = ["features", "red.asm.ron", "--mesh", "sphere", "--environment", "studio", "--size", "48x48", "--json"];
+    let run = place.run(&words);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let json = run.json();
+    let lobes = json["lobes"].as_array().unwrap();
+    let named = |name: &str| lobes.iter().find(|lobe| lobe["name"] == name).unwrap();
+    assert_eq!(named("coat")["in"], false);
+    assert!(named("coat")["reason"].as_str().unwrap().contains("coat is 0"), "{json}");
+    assert!(named("coat")["final_ratio"].is_number(), "{json}");
+    assert_eq!(named("diffuse")["in"], true);
+    assert!(json["final_speedup"].as_f64().unwrap() > 0.0);
+    assert!(json["z"].as_f64().unwrap() < 6.0, "{json}");
+    // With an adapter there are numbers, without one a reason.
+    let has_preview = json["preview_ms"].is_number() && json["preview_full_ms"].is_number() && json["compile_ms"].is_number();
+    assert!(has_preview != json["preview_reason"].is_string(), "{json}");
+}

@@ -374,3 +374,47 @@ fn without_a_gpu_the_viewport_says_so() {
     window.get_by_label_contains("No usable GPU");
     window.get_by_label("Show final view");
 }
+
+/// Draws until a label that contains this is there.
+fn wait_for(window: &mut Window, text: &str) {
+    let start = Instant::now();
+    while window.query_all_by_label_contains(text).count() == 0 {
+        assert!(start.elapsed() < Duration::from_secs(180), "no label `{text}` appeared");
+        std::thread::sleep(Duration::from_millis(20));
+        window.run_steps(1);
+    }
+}
+
+#[test]
+fn the_stability_report_is_made_in_the_background_and_its_fixes_are_single_steps() {
+    let mut window = window();
+    set_document(&mut window, |material| {
+        material.set(Property::translucency, Value::Float(1.0));
+        material.set(Property::scatter, Value::Bool(true));
+        material.set(Property::scatter_distance, Value::Float(1e-9));
+    });
+    assert_eq!(window.query_all_by_label_contains("This material").count(), 0, "nothing is probed while the panel is closed");
+    let start = Instant::now();
+    press(&mut window, Command::ToggleStability);
+    window.run_steps(3);
+    assert!(start.elapsed() < Duration::from_secs(20), "the window does not wait for the report");
+    wait_for(&mut window, "This material");
+
+    let before = material(&window);
+    let steps = app(&window).history().labels().count();
+    window.get_by_label("Set Scattering distance to 0.001").click();
+    window.run_steps(3);
+    let fixed = material(&window);
+    assert_eq!(fixed.float(Property::scatter_distance), 0.001);
+    assert_eq!(app(&window).history().undo_label(), Some("Set Scattering distance to 0.001"));
+    assert_eq!(app(&window).history().labels().count(), steps + 1);
+    assert_eq!(window.query_all_by_label_contains("This material").count(), 0, "the report of the old values is gone");
+    press(&mut window, Command::Undo);
+    assert_eq!(material(&window), before);
+    press(&mut window, Command::Redo);
+    assert_eq!(material(&window), fixed);
+    wait_for(&mut window, "This material");
+    assert!(window.query_by_label("Set Scattering distance to 0.001").is_none());
+    press(&mut window, Command::ToggleStability);
+    assert_eq!(window.query_all_by_label_contains("This material").count(), 0);
+}
