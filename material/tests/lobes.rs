@@ -64,7 +64,7 @@ fn rows_are_in_order_and_unique() {
 
 #[test]
 fn each_lobe_can_be_switched_on() {
-    let on: [(Lobe, Vec<(Property, Value)>); 16] = [
+    let on: [(Lobe, Vec<(Property, Value)>); 17] = [
         (Lobe::metal, vec![float(P::metallic, 0.1)]),
         (Lobe::specular, vec![]),
         (Lobe::diffuse, vec![]),

@@ -96,7 +96,7 @@ pub fn random(i: usize) -> Material {
     m.set(coat_specular_level, f(r.unit()));
     m.set(specular_ior, f(r.between(1.2, 3.0)));
     m.set(coat_ior, f(r.between(1.1, 2.5)));
-    if i % 8 == 0 {
+    if i.is_multiple_of(8) {
         m.set(dispersion, f(r.between(0.5, 10.0)));
     }
     m

@@ -71,7 +71,8 @@ fn a_thick_block_reflects_like_a_half_space() {
     let matched = [(Property::specular_ior, f(1.0))];
     let pure = [(Property::opacity, f(0.0)), (Property::translucency, f(0.0))];
     let glass = [(Property::specular_ior, f(1.4))];
-    let cases: [(&str, &[(Property, Value)], [f64; 3], [f64; 3]); 4] = [
+    type Case<'a> = (&'a str, &'a [(Property, Value)], [f64; 3], [f64; 3]);
+    let cases: [Case<'_>; 4] = [
         ("matched", &matched, [0.3, 0.8, 0.99], [0.05721, 0.28525, 0.75272]),
         ("without surface", &pure, [0.5, 0.9, 0.999], [0.11523, 0.41495, 0.91285]),
         ("IOR 1.4", &glass, [0.3, 0.8, 0.99], [0.05221, 0.18082, 0.63137]),

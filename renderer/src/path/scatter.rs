@@ -61,8 +61,8 @@ fn step(prepared: &Prepared, paths: &mut Paths, i: usize, sigma_s: [f32; 3], ver
         }
         // Nothing arrives through a scattering body without end, but for channels that it does not touch.
         End::Lost { throughput, .. } => {
-            for k in 0..3 {
-                paths.throughput[k][i] = throughput[k];
+            for (column, t) in paths.throughput.iter_mut().zip(throughput) {
+                column[i] = t;
             }
             paths.hits[i] = Hit::MISS;
             throughput.iter().any(|t| *t > 0.0)

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Cosines of the viewer: all that a picture has, and grazing ones beyond it.
 const COSINES: [f64; 7] = [1.0, 0.9, 0.6, 0.3, 0.1, 1e-2, 1e-4];
 /// Azimuths, radians: along, across and askew of a stretch. Isotropic materials need one, which is no axis.
-const AZIMUTHS: [f64; 3] = [0.3, 0.0, 1.570_796_3];
+const AZIMUTHS: [f64; 3] = [0.3, 0.0, std::f64::consts::FRAC_PI_2];
 /// Draws per direction: noise of albedos near 1 stays below half a percent.
 const DRAWS: usize = 640;
 /// Directions per direction of view that no lobe has drawn.
@@ -491,8 +491,8 @@ fn mismatch(of: &dyn Scattering, s: &Draw, place: &dyn Fn() -> String, worst: &m
     }
     let (value, pdf) = of.eval(s.wi);
     worst.note(relative(s.pdf, pdf, 1e-6), place);
-    for k in 0..3 {
-        worst.note(relative(s.weight[k] * s.pdf, value[k], 1e-6), place);
+    for (weight, value) in s.weight.iter().zip(value) {
+        worst.note(relative(weight * s.pdf, value, 1e-6), place);
     }
 }
 

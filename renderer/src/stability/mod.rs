@@ -230,7 +230,7 @@ impl Numbers {
     fn judge(&self) -> (Vec<Check>, String) {
         let limits = self.limits();
         let failed: Vec<Check> =
-            limits.iter().filter(|(_, value, limit, _)| !(value <= limit)).map(|(check, ..)| *check).collect();
+            limits.iter().filter(|(_, value, limit, _)| value.is_nan() || value > limit).map(|(check, ..)| *check).collect();
         let sentence = match limits.iter().find(|(check, ..)| failed.first() == Some(check)) {
             Some((.., sentence)) => sentence.clone(),
             None => limits
