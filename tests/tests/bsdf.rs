@@ -36,7 +36,7 @@ fn random_view<L: Lanes>(i: usize, material: &Material, mu: f64) -> View<L> {
     let mut r = Random::new(1000 + i as u64);
     let mut view = View::new(direction(mu, r.between(0.0, 6.0)));
     view.throughput = Rgb([0; 3].map(|_| L::of(r.between(0.2, 1.0))));
-    if i % 3 == 0 && material.float(Property::coat) > 0.0 {
+    if i.is_multiple_of(3) && material.float(Property::coat) > 0.0 {
         let n = V3::<f64>::new(r.between(-0.4, 0.4), r.between(-0.4, 0.4), 1.0).normalize();
         view.coat_normal = Some(V3::new(L::of(n.x), L::of(n.y), L::of(n.z)));
     }
