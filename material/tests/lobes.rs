@@ -31,11 +31,11 @@ fn known_materials_need_these_lobes() {
     let glass = [float(P::translucency, 1.0), float(P::roughness, 0.0), float(P::dispersion, 0.31)];
     assert_eq!(lobes_of(&glass), ["specular", "transmission", "dispersion"]);
     let green_glass = [float(P::translucency, 1.0), color(P::absorption_color, [0.7, 0.9, 0.8])];
-    assert_eq!(lobes_of(&green_glass), ["specular", "transmission", "absorption"]);
+    assert_eq!(lobes_of(&green_glass), ["specular", "transmission", "multiple_scattering", "absorption"]);
     let paint = [float(P::coat, 1.0), float(P::metallic, 0.5)];
     assert_eq!(lobes_of(&paint), ["metal", "specular", "diffuse", "multiple_scattering", "coat"]);
     let skin = [float(P::translucency, 1.0), (P::scatter, Value::Bool(true)), float(P::scatter_red_shift, 0.5)];
-    assert_eq!(lobes_of(&skin), ["specular", "transmission", "scattering"]);
+    assert_eq!(lobes_of(&skin), ["specular", "transmission", "multiple_scattering", "scattering"]);
 }
 
 #[test]

@@ -18,7 +18,7 @@ const MATCHED: f64 = 0.2;
 const SAMPLES: usize = 32768;
 /// Cosines of the viewer, and azimuths that a stretched material tells apart.
 const COSINES: [f64; 4] = [1.0, 0.5, 0.2, 0.06];
-const AZIMUTHS: [f64; 2] = [0.1, 1.5707];
+const AZIMUTHS: [f64; 2] = [0.1, std::f64::consts::FRAC_PI_2];
 
 /// Reflected and transmitted share of white light for one direction.
 fn albedo(material: &Material, albedos: &Albedos, mu: f64, azimuth: f64) -> [f64; 3] {
@@ -60,7 +60,7 @@ fn check(name: &str, material: &Material, azimuths: &[f64], worst: &mut (f64, f6
 }
 
 fn report(worst: &(f64, f64, String, String)) {
-    println!("largest gain {:.5} ({}), largest loss {:.5} ({})", worst.0, worst.2, worst.1, worst.3);
+    eprintln!("largest gain {:.5} ({}), largest loss {:.5} ({})", worst.0, worst.2, worst.1, worst.3);
     assert!(worst.0 <= GAIN, "gains {:.5}: {}", worst.0, worst.2);
     assert!(worst.1 <= LOSS, "loses {:.5}: {}", worst.1, worst.3);
 }

@@ -20,8 +20,10 @@ use std::sync::Arc;
 pub const AXES: usize = 5;
 /// Entries along `sqrt(mu)` for a material without a varying number, and otherwise: the detail lies at grazing angles.
 const COSINES: [usize; 2] = [96, 40];
+/// The same for stretched materials, whose tables have one axis more.
+const COSINES_STRETCHED: [usize; 2] = [64, 32];
 /// Entries along the azimuth of a stretched material, over a quarter turn.
-const AZIMUTHS: [usize; 2] = [17, 9];
+const AZIMUTHS: [usize; 2] = [13, 7];
 /// Entries along each varying number, by how many vary.
 const STEPS: [usize; AXES + 1] = [1, 32, 14, 8, 5, 4];
 
@@ -252,7 +254,7 @@ impl Grid {
         let detail = usize::from(varying > 0);
         let counts = varies.map(|v| if v { STEPS[varying] } else { 1 });
         let azimuths = if is_stretched { AZIMUTHS[detail] } else { 1 };
-        let cosines = COSINES[detail];
+        let cosines = if is_stretched { COSINES_STRETCHED } else { COSINES }[detail];
         let rows: usize = counts.iter().product();
         let place = |mut row: usize| {
             let mut at = [None; AXES];

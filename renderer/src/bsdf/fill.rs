@@ -42,7 +42,8 @@ pub(super) fn fill(
     cosines: usize,
     varying: usize,
 ) -> [Vec<f32>; QUANTITIES] {
-    let (polar, circle) = POINTS[varying.min(POINTS.len() - 1)];
+    // A stretched table has many more entries.
+    let (polar, circle) = POINTS[(varying + usize::from(azimuths > 1)).min(POINTS.len() - 1)];
     let circle: Vec<(f64, f64)> = if azimuths == 1 {
         (0..circle / 2).map(|i| (PI * (i as f64 + 0.5) / (circle / 2) as f64).sin_cos()).collect()
     } else {
