@@ -13,7 +13,9 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Cosines of the viewer: all that a picture has, and grazing ones beyond it.
-const COSINES: [f64; 7] = [1.0, 0.9, 0.6, 0.3, 0.1, 1e-2, 1e-4];
+const COSINES: [f64; 8] = [1.0, 0.9, 0.6, 0.3, 0.1, 1e-2, 1e-4, 0.0];
+/// Below this cosine only finite numbers are asked for: 0, the horizon itself, is where formulas divide.
+const JUDGED_COS_MIN: f64 = 1e-5;
 /// Azimuths, radians: along, across and askew of a stretch. Isotropic materials need one, which is no axis.
 const AZIMUTHS: [f64; 3] = [0.3, 0.0, 1.570_796_3];
 /// Draws per direction: noise of albedos near 1 stays below half a percent.
@@ -274,6 +276,12 @@ fn probe_inputs(
                             format!("{prefix}cosine {mu:e} from {side}, azimuth {azimuth:.2}{light}")
                         };
                         let exact = is_comparable.then_some(&exact as &dyn Scattering);
+                        if mu < JUDGED_COS_MIN {
+                            let mut counted = Numbers::default();
+                            probe_scattering(&single, None, &single, &place, &mut counted);
+                            numbers.add_counts(counted);
+                            continue;
+                        }
                         probe_scattering(&single, exact, &unit, &place, numbers);
                         if has_loss && mu > LOSS_COS_MIN {
                             let white = Bsdf::prepare(&white32, albedos, lobes, &at.view::<f32>());
