@@ -7,10 +7,12 @@
 //!
 //! All numbers but times are the same in every run.
 
+mod coefficients;
 mod fixes;
 mod lobes;
 mod neighbours;
 mod picture;
+mod reach;
 mod scenes;
 mod suite;
 #[cfg(test)]
@@ -253,7 +255,7 @@ impl Numbers {
     fn judge(&self) -> (Vec<Check>, String) {
         let limits = self.limits();
         let failed: Vec<Check> =
-            limits.iter().filter(|(_, value, limit, _)| !(value <= limit)).map(|(check, ..)| *check).collect();
+            limits.iter().filter(|(_, value, limit, _)| value > limit || value.is_nan()).map(|(check, ..)| *check).collect();
         let sentence = match limits.iter().find(|(check, ..)| failed.first() == Some(check)) {
             Some((.., sentence)) => sentence.clone(),
             None => limits

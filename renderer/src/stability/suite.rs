@@ -92,7 +92,7 @@ fn numbers(def: &PropertyDef) -> Vec<f64> {
     all.extend([1e30, f64::NAN]);
     let mut distinct: Vec<f64> = Vec::new();
     for x in all {
-        if !distinct.iter().any(|y| *y == x) {
+        if !distinct.contains(&x) {
             distinct.push(x);
         }
     }

@@ -145,7 +145,7 @@ fn coefficients_outside_their_ranges_are_found() {
     let found = |edit: fn(&mut Optics<f32>)| {
         let (mut optics, mut numbers) = (sound, Numbers::default());
         edit(&mut optics);
-        super::lobes::check_optics(&optics, "", &mut numbers);
+        super::coefficients::check_optics(&optics, "", &mut numbers);
         numbers.judge().0
     };
     assert_eq!(found(|_| ()), []);
