@@ -118,6 +118,7 @@ fn json_numbers(n: &Numbers) -> Value {
         "furnace_loss": n.loss.as_ref().map(worst),
         "double_difference": worst(&n.precision),
         "brightness_excess": n.brightness.and_then(finite),
+        "darkness": n.darkness.and_then(finite),
         "time_ratio": finite(n.time_ratio),
     })
 }

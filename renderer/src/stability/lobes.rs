@@ -1,21 +1,23 @@
 //! The BSDF over angles, in single and in double precision from the same single-precision inputs.
 
+use super::coefficients::check_optics;
+use super::reach::{reachable, texture_of};
 use super::{Numbers, PRECISION_FLOOR, Worst};
 use crate::bsdf::{Albedos, Bsdf, Optics, View, Wavelength, dispersion, interpret};
 use crate::lanes::Lanes;
 use crate::path::Prepared;
 use crate::scene::{Object, Scene};
-use crate::tonemap::srgb_decode;
 use crate::vector::{Rgb, V3};
-use burnish_assets::Image;
-use burnish_material::{Channel, ColorSpace, Inputs, Kind, Lobe, LobeSet, Material, Property, TextureRef, Value};
-use std::f64::consts::PI;
+use burnish_material::{Inputs, Lobe, LobeSet, Property};
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// Cosines of the viewer: all that a picture has, and grazing ones beyond it.
-const COSINES: [f64; 7] = [1.0, 0.9, 0.6, 0.3, 0.1, 1e-2, 1e-4];
+const COSINES: [f64; 8] = [1.0, 0.9, 0.6, 0.3, 0.1, 1e-2, 1e-4, 0.0];
+/// Below this cosine only finite numbers are asked for: 0, the horizon itself, is where formulas divide.
+const JUDGED_COS_MIN: f64 = 1e-5;
 /// Azimuths, radians: along, across and askew of a stretch. Isotropic materials need one, which is no axis.
-const AZIMUTHS: [f64; 3] = [0.3, 0.0, std::f64::consts::FRAC_PI_2];
+const AZIMUTHS: [f64; 3] = [0.3, 0.0, FRAC_PI_2];
 /// Draws per direction: noise of albedos near 1 stays below half a percent.
 const DRAWS: usize = 640;
 /// Directions per direction of view that no lobe has drawn.
@@ -127,97 +129,6 @@ fn whiten(inputs: &mut Inputs<f64>) {
     }
 }
 
-/// The values that shading can meet: every image at its least and at its largest texel.
-fn reachable(object: &Object, uniform: &Inputs<f64>) -> Vec<(String, Inputs<f64>)> {
-    let material = &object.material;
-    let ranges: Vec<(Property, [[f64; 3]; 2])> = material
-        .slots()
-        .filter_map(|(property, _)| {
-            let (reference, image) = texture_of(object, property)?;
-            Some((property, texel_range(property, reference, image)))
-        })
-        .collect();
-    if ranges.is_empty() {
-        return vec![(String::new(), *uniform)];
-    }
-    let mut choices: Vec<(String, Vec<usize>)> =
-        vec![("least texels".into(), vec![0; ranges.len()]), ("largest texels".into(), vec![1; ranges.len()])];
-    if ranges.len() > 1 {
-        // One image against all others is what two maps that do not fit together give.
-        for (k, (property, _)) in ranges.iter().enumerate() {
-            let mut choice = vec![1; ranges.len()];
-            choice[k] = 0;
-            choices.push((format!("least {}", property.def().name), choice));
-        }
-    }
-    let inputs_of = |choice: &[usize]| {
-        let at = |property: Property| ranges.iter().position(|(p, _)| *p == property);
-        Inputs::gather(|property| match (at(property).map(|k| ranges[k].1[choice[k]]), property.def().default) {
-            // Texels are clamped by the lobes alone.
-            (Some(v), Value::Color(_)) => Value::Color(v),
-            (Some(v), Value::Normal(_)) => Value::Normal(v.map(|x| 2.0 * x - 1.0)),
-            (Some(v), Value::Float(_)) => Value::Float(v[0]),
-            _ => uniform_value(material, property),
-        })
-    };
-    choices.iter().map(|(name, choice)| (name.clone(), inputs_of(choice))).collect()
-}
-
-/// A uniform value as [`Material::inputs`] gives it.
-fn uniform_value(material: &Material, property: Property) -> Value {
-    let def = property.def();
-    let fix = |x: f64, default: f64| {
-        if x.is_nan() { default } else { def.limits.enforce(x).clamp(f64::from(f32::MIN), f64::from(f32::MAX)) }
-    };
-    match (material.value(property), def.default) {
-        (Value::Float(v), Value::Float(d)) => Value::Float(fix(v, d)),
-        (Value::Color(v), Value::Color(d)) => Value::Color(std::array::from_fn(|k| fix(v[k], d[k]))),
-        (value, _) => value,
-    }
-}
-
-/// The texture of a property and its image, where both are there.
-fn texture_of(object: &Object, property: Property) -> Option<(&TextureRef, &Image)> {
-    let reference = object.material.slot(property).texture.as_ref()?;
-    let image = object.textures.get(&reference.path)?;
-    Some((reference, &**image))
-}
-
-/// Least and largest texel of each channel, linear. Texels that are not finite count as the default, as in a picture.
-fn texel_range(property: Property, reference: &TextureRef, image: &Image) -> [[f64; 3]; 2] {
-    let default = property.def().default;
-    let is_scalar = default.kind() == Kind::Float;
-    let is_srgb = match reference.color_space {
-        ColorSpace::Auto => image.is_eight_bit && default.kind() == Kind::Color,
-        ColorSpace::Srgb => true,
-        ColorSpace::Linear => false,
-    };
-    let decode = |x: f32| if is_srgb { srgb_decode(x) } else { x };
-    let stand_in = match default {
-        Value::Float(x) => [x; 3],
-        Value::Color(c) | Value::Normal(c) => c,
-        Value::Bool(_) => [0.0; 3],
-    };
-    let mut range = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    for texel in &image.texels {
-        let [r, g, b] = [decode(texel[0]), decode(texel[1]), decode(texel[2])];
-        let value = match reference.channel {
-            Channel::Rgb if is_scalar => [(r + g + b) / 3.0; 3],
-            Channel::Rgb => [r, g, b],
-            Channel::R => [r; 3],
-            Channel::G => [g; 3],
-            Channel::B => [b; 3],
-            Channel::A => [texel[3]; 3],
-        };
-        for k in 0..3 {
-            let x = if value[k].is_finite() { f64::from(value[k]) } else { stand_in[k] };
-            range[0][k] = range[0][k].min(x);
-            range[1][k] = range[1][k].max(x);
-        }
-    }
-    range.map(|end| std::array::from_fn(|k| if end[k].is_finite() { end[k] } else { stand_in[k] }))
-}
-
 /// Probes one set of values.
 #[expect(clippy::too_many_arguments, reason = "called once; a struct would only rename the arguments")]
 fn probe_inputs(
@@ -274,6 +185,12 @@ fn probe_inputs(
                             format!("{prefix}cosine {mu:e} from {side}, azimuth {azimuth:.2}{light}")
                         };
                         let exact = is_comparable.then_some(&exact as &dyn Scattering);
+                        if mu < JUDGED_COS_MIN {
+                            let mut counted = Numbers::default();
+                            probe_scattering(&single, None, &single, &place, &mut counted);
+                            numbers.add_counts(counted);
+                            continue;
+                        }
                         probe_scattering(&single, exact, &unit, &place, numbers);
                         if has_loss && mu > LOSS_COS_MIN {
                             let white = Bsdf::prepare(&white32, albedos, lobes, &at.view::<f32>());
@@ -311,61 +228,6 @@ impl At {
             }),
             ..View::new(v(self.wo))
         }
-    }
-}
-
-/// Coefficients that must be finite and within the range that their documentation states.
-pub(super) fn check_optics(o: &Optics<f32>, prefix: &str, numbers: &mut Numbers) {
-    let mut check = |name: &str, value: f32, low: f32, high: f32| {
-        if !value.is_finite() {
-            numbers.nonfinite += 1;
-            if numbers.first_bad.is_empty() {
-                numbers.first_bad = format!("{prefix}{name}");
-            }
-        } else if !(low..=high).contains(&value) {
-            numbers.coefficients.push(format!("{prefix}{name} {value:e}"));
-        }
-    };
-    for (name, value) in [
-        ("w_metal", o.w_metal),
-        ("w_diffuse", o.w_diffuse),
-        ("w_transmission", o.w_transmission),
-        ("roughness", o.roughness),
-        ("anisotropy", o.anisotropy),
-        ("specular level", o.level),
-        ("sheen", o.sheen),
-        ("coat", o.coat),
-        ("coat roughness", o.coat_roughness),
-        ("coat level", o.coat_level),
-        ("opacity", o.opacity),
-    ] {
-        check(name, value, 0.0, 1.0);
-    }
-    for (name, value) in [("alpha along", o.alpha_x), ("alpha across", o.alpha_y), ("coat alpha", o.coat_alpha)] {
-        check(name, value, 0.999 * <f32 as Lanes>::ALPHA_MIN as f32, 1.0);
-    }
-    // Reflectance is capped below 1, so that indices of refraction have an end, 40000 for a cap of 0.9999.
-    for (name, value) in [("eta", o.eta), ("eta of the reflection", o.eta_specular), ("coat eta", o.coat_eta)] {
-        check(name, value, 1e-5, 1e5);
-    }
-    check("rotation", o.rotation_cos.hypot(o.rotation_sin), 0.999, 1.001);
-    check("sheen roughness", o.sheen_roughness, 0.999e-3, 1.0);
-    check("dispersion", o.dispersion, 0.0, 20.0);
-    for c in 0..3 {
-        for (name, value) in [
-            ("base color", o.base_color.0[c]),
-            ("edge color", o.edge_color.0[c]),
-            ("sheen color", o.sheen_color.0[c]),
-            ("transmission tint", o.transmission_tint.0[c]),
-        ] {
-            check(name, value, 0.0, 1.0);
-        }
-        check("F82 coefficient", o.f82.0[c], 0.0, 18.0);
-        check("logarithm of the coat tint", o.coat_ln_tint.0[c], -14.0, 0.0);
-        // Optical depths of bodies of any size that is modelled, and sums of light, stay within single precision.
-        check("absorption coefficient", o.sigma_a.0[c], 0.0, 1e13);
-        check("scattering coefficient", o.sigma_s.0[c], 0.0, 1e13);
-        check("emission", o.emission.0[c], 0.0, 1.001e30);
     }
 }
 
@@ -491,15 +353,15 @@ fn mismatch(of: &dyn Scattering, s: &Draw, place: &dyn Fn() -> String, worst: &m
     }
     let (value, pdf) = of.eval(s.wi);
     worst.note(relative(s.pdf, pdf, 1e-6), place);
-    for (weight, value) in s.weight.iter().zip(value) {
+    for (weight, value) in s.weight.into_iter().zip(value) {
         worst.note(relative(weight * s.pdf, value, 1e-6), place);
     }
 }
 
 fn compare(single: &([f64; 3], f64), double: &([f64; 3], f64), place: &dyn Fn() -> String, worst: &mut Worst) {
     worst.note(relative(single.1, double.1, PRECISION_FLOOR), place);
-    for k in 0..3 {
-        worst.note(relative(single.0[k], double.0[k], PRECISION_FLOOR), place);
+    for (single, double) in single.0.into_iter().zip(double.0) {
+        worst.note(relative(single, double, PRECISION_FLOOR), place);
     }
 }
 

@@ -7,10 +7,12 @@
 //!
 //! All numbers but times are the same in every run.
 
+mod coefficients;
 mod fixes;
 mod lobes;
 mod neighbours;
 mod picture;
+mod reach;
 mod scenes;
 mod suite;
 #[cfg(test)]
@@ -58,6 +60,8 @@ pub enum Check {
     Precision,
     /// A picture in a white surrounding is brighter than that.
     Brightness,
+    /// A picture of the whitened material in a white surrounding loses most of its light: paths end where they should go on.
+    Darkness,
     /// A sample takes far longer than one of a plain material.
     Time,
 }
@@ -84,6 +88,7 @@ impl Check {
             Self::Loss => "furnace_loss",
             Self::Precision => "double_difference",
             Self::Brightness => "brightness",
+            Self::Darkness => "darkness",
             Self::Time => "time",
         }
     }
@@ -122,6 +127,8 @@ pub struct Numbers {
     pub precision: Worst,
     /// Brightness of the picture in a white surrounding less 1, beyond noise; `None` for a material that emits.
     pub brightness: Option<f64>,
+    /// 1 less the brightness of the picture in a white surrounding with all tints white; `None` where the model promises nothing.
+    pub darkness: Option<f64>,
     /// Time of a sample over that of a plain material in the same scene.
     pub time_ratio: f64,
 }
@@ -163,10 +170,22 @@ pub const PRECISION_MAX: f64 = 0.02;
 pub const PRECISION_FLOOR: f64 = 1e-2;
 /// Largest brightness above white of a picture, beyond six standard errors.
 pub const BRIGHTNESS_MAX: f64 = 0.02;
+/// Largest loss of a picture of a whitened material. Normals bent far from the surface cost up to three quarters of the light, as they must;
+/// all of it is only lost where numbers have become useless without being infinite.
+pub const DARKNESS_MAX: f64 = 0.9;
 /// Largest ratio of times: sixteen bounces instead of one, and random walks that stay inside for some hundred events.
 pub const TIME_RATIO_MAX: f64 = 400.0;
 
 impl Numbers {
+    /// Takes over what another probe counted.
+    fn add_counts(&mut self, other: Self) {
+        self.nonfinite += other.nonfinite;
+        self.negative += other.negative;
+        if self.first_bad.is_empty() {
+            self.first_bad = other.first_bad;
+        }
+    }
+
     fn limits(&self) -> Vec<(Check, f64, f64, String)> {
         let count = |n: u64| if n > 0 { f64::INFINITY } else { 0.0 };
         let at = |w: &Worst| if w.place.is_empty() { String::new() } else { format!(" at {}", w.place) };
@@ -218,6 +237,12 @@ impl Numbers {
                 format!("a picture in white light is {} brighter than white", percent(self.brightness.unwrap_or(0.0))),
             ),
             (
+                Check::Darkness,
+                self.darkness.unwrap_or(0.0),
+                DARKNESS_MAX,
+                format!("a white picture in white light loses {}", percent(self.darkness.unwrap_or(0.0))),
+            ),
+            (
                 Check::Time,
                 self.time_ratio,
                 TIME_RATIO_MAX,
@@ -230,7 +255,7 @@ impl Numbers {
     fn judge(&self) -> (Vec<Check>, String) {
         let limits = self.limits();
         let failed: Vec<Check> =
-            limits.iter().filter(|(_, value, limit, _)| value.is_nan() || value > limit).map(|(check, ..)| *check).collect();
+            limits.iter().filter(|(_, value, limit, _)| value > limit || value.is_nan()).map(|(check, ..)| *check).collect();
         let sentence = match limits.iter().find(|(check, ..)| failed.first() == Some(check)) {
             Some((.., sentence)) => sentence.clone(),
             None => limits

@@ -4,7 +4,7 @@ use super::{Numbers, TIME_RATIO_MAX};
 use crate::path::{Film, Prepared, render_pass};
 use crate::scene::{EnvironmentLight, Scene};
 use burnish_assets::Environment;
-use burnish_material::{Lobe, LobeSet, Material};
+use burnish_material::{Lobe, LobeSet, Material, Property, Slot, Value};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -16,6 +16,8 @@ const SPP: u32 = 4;
 const REPEATS: usize = 3;
 /// Samples per pixel in a white surrounding.
 const FURNACE_SPP: u32 = 16;
+/// With fewer bounces even white glass is dark.
+const BOUNCES_MIN: u32 = 4;
 /// Standard errors by which a picture must be too bright.
 const SIGMAS: f64 = 6.0;
 
@@ -80,6 +82,12 @@ pub(super) fn probe(
         }
         check_pixels(&film, numbers);
         numbers.brightness = Some(brightness(&film.mean(), &film.alpha()));
+        if let Some(white) = whitened(scene) {
+            let white = Prepared::new(&white, Some(&furnace));
+            let mut film = Film::new(SIDE, SIDE);
+            render_pass(&white, &mut film, SPP, 3, 1, cancel)?;
+            numbers.darkness = Some(darkness(&film.mean(), &film.alpha()));
+        }
         kept = furnace;
     }
     Some(kept)
@@ -123,6 +131,38 @@ pub(super) fn brightness(pixels: &[[f32; 3]], alpha: &[f32]) -> f64 {
         sum / count - SIGMAS * squares.sqrt() / count
     };
     (0..3).map(excess).fold(0.0, f64::max)
+}
+
+/// 1 less the mean of the pixels that show the object, in the darkest channel; at least 0.
+fn darkness(pixels: &[[f32; 3]], alpha: &[f32]) -> f64 {
+    let shown = || pixels.iter().zip(alpha).filter(|(_, alpha)| **alpha > 0.0);
+    let weight: f64 = shown().map(|(_, alpha)| f64::from(*alpha)).sum();
+    let lost = |k: usize| shown().map(|(pixel, _)| 1.0 - f64::from(pixel[k])).sum::<f64>() / weight.max(1.0);
+    (0..3).map(lost).fold(0.0, f64::max)
+}
+
+/// The scene in white light with white tints and no images of tints; `None` where light may be lost all the same: in a medium (its
+/// walks are long), with few bounces, or with a camera inside, where displacement may bring it.
+fn whitened(scene: &Scene) -> Option<Scene> {
+    use Property as P;
+    let mut scene = Scene { environment: white_light(), ..scene.clone() };
+    let bounds = scene.document_bounds();
+    let distance = scene.camera.origin.distance(bounds.center());
+    if scene.max_bounces < BOUNCES_MIN || distance <= 1.01 * bounds.radius() || scene.objects.iter().any(|o| !o.is_document) {
+        return None;
+    }
+    for object in &mut scene.objects {
+        let lobes = LobeSet::of(&object.material);
+        if lobes.has(Lobe::scattering) || lobes.has(Lobe::height) {
+            return None;
+        }
+        let mut material = (*object.material).clone();
+        for property in [P::base_color, P::specular_edge_color, P::sheen_color, P::absorption_color, P::coat_color] {
+            *material.slot_mut(property) = Slot { value: Some(Value::Color([1.0; 3])), texture: None };
+        }
+        object.material = Arc::new(material);
+    }
+    Some(scene)
 }
 
 /// Median of the ratios of the times of `case` over those of `plain`, which take turns, so that what else the machine does weighs on

@@ -145,7 +145,7 @@ pub(super) fn lights() -> Vec<(&'static str, EnvironmentLight)> {
         texels[20 * 64 + 17] = [x; 3];
         light(64, texels)
     };
-    let mut beyond = light(4, vec![[1.0, 0.5, 3.0]; 8]);
+    let mut beyond = light(4, vec![[10.0, 5.0, 30.0]; 8]);
     beyond.scale = 1e38;
     let noise = |i: u32| {
         let x = i.wrapping_mul(2_654_435_761) >> 16;

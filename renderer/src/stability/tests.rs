@@ -20,10 +20,11 @@ fn show_the_suite() {
     for r in &reports {
         let n = &r.numbers;
         println!(
-            "{} | {:.2}s t{:.1} bad {} {} co {} pdf {:.1e} den {:.3} gain {:.4} loss {:.4} prec {:.1e} br {:.3} | {}",
+            "{} | {:.2}s t{:.1} dark {:.2} bad {} {} co {} pdf {:.1e} den {:.3} gain {:.4} loss {:.4} prec {:.1e} br {:.3} | {}",
             if r.holds() { "ok  " } else { "FAIL" },
             r.seconds,
             n.time_ratio,
+            n.darkness.unwrap_or(0.0),
             n.nonfinite,
             n.negative,
             n.coefficients.len(),
@@ -144,7 +145,7 @@ fn coefficients_outside_their_ranges_are_found() {
     let found = |edit: fn(&mut Optics<f32>)| {
         let (mut optics, mut numbers) = (sound, Numbers::default());
         edit(&mut optics);
-        super::lobes::check_optics(&optics, "", &mut numbers);
+        super::coefficients::check_optics(&optics, "", &mut numbers);
         numbers.judge().0
     };
     assert_eq!(found(|_| ()), []);
@@ -165,6 +166,8 @@ fn pictures_brighter_than_white_are_found() {
     assert_eq!(brightness(&noisy(1.3), &vec![0.0; 256]), 0.0);
     let numbers = Numbers { brightness: Some(0.1), ..Numbers::default() };
     assert_eq!(numbers.judge().0, [Check::Brightness]);
+    let numbers = Numbers { darkness: Some(0.9), ..Numbers::default() };
+    assert_eq!(numbers.judge().0, [Check::Darkness]);
 }
 
 #[test]
