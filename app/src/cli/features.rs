@@ -109,7 +109,7 @@ pub fn run(arguments: &FeaturesArguments) -> Result<Outcome, CliError> {
         for (def, cost) in LOBES.iter().zip(&of_lobes) {
             let state = if needed.has(def.lobe) { "in " } else { "out" };
             let ratio = cost.as_ref().map_or_else(String::new, |cost| format!("  final x{:.2} with it", cost.ratio));
-            text += &format!("{state}  {:<16}  {}{ratio}\n", def.name, reason(&material, needed, def));
+            text += &format!("{state}  {:<20}{}{ratio}\n", def.name, reason(&material, needed, def));
         }
         text += &format!(
             "final: {:.2} times as fast as with all lobes (pictures differ by {:.1} standard errors)\n",
