@@ -50,7 +50,7 @@ pub enum Check {
     Coefficient,
     /// Value over density is not the weight of the sample, or the two densities differ.
     PdfMismatch,
-    /// The density does not integrate to at most 1, or directions are not drawn by it.
+    /// The density integrates to more than 1.
     Density,
     /// More light leaves than arrives.
     Gain,
