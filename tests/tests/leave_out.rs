@@ -49,9 +49,8 @@ fn statistics(a: &Film, b: &Film) -> (f64, f64) {
         for x in (0..SIZE).step_by(BLOCK) {
             let (mut difference, mut variance) = (0.0, 0.0);
             for p in (0..BLOCK * BLOCK).map(|i| (y + i / BLOCK) * SIZE + x + i % BLOCK) {
-                for k in 0..3 {
-                    difference += f64::from(means[0][p][k]) - f64::from(means[1][p][k]);
-                }
+                let sum = |v: &Vec<[f32; 3]>| v[p].iter().map(|c| f64::from(*c)).sum::<f64>();
+                difference += sum(&means[0]) - sum(&means[1]);
                 // Channels share their paths: standard deviations add.
                 let deviation = |v: &Vec<[f32; 3]>| v[p].iter().map(|v| f64::from(*v).sqrt()).sum::<f64>();
                 variance += deviation(&variances[0]).powi(2) + deviation(&variances[1]).powi(2);
