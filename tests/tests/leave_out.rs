@@ -94,7 +94,7 @@ fn every_lobe_can_be_left_out_where_it_is_not_needed() {
 #[test]
 fn a_lobe_that_is_needed_shows() {
     let model: ModelMeshes = make_shape("torus").expect("the torus is built in").into();
-    let coated = material(&[(Property::coat, f(1.0)), (Property::metallic, f(1.0))]);
+    let coated = material(&[(Property::coat, f(1.0)), (Property::base_color, c(0.02, 0.02, 0.02))]);
     let scene = Scene::of_model(&model, Arc::new(coated), Arc::default(), environment(&[0.3, 0.3, 4.0, 0.3]), 100.0);
     let whole = film(&scene, LobeSet::EMPTY, 1);
     let less = Prepared::with_lobes(&scene, None, LobeSet::EMPTY, LobeSet::EMPTY.with(burnish_material::Lobe::coat));

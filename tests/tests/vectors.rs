@@ -201,6 +201,7 @@ fn wavelengths_sum_to_white() {
 /// `sigma_t`, `sigma_s` and `sigma_a` of a scattering colour.
 fn medium(color: [f64; 3], rayleigh: f64, red_shift: f64, distance: f64) -> [[f64; 3]; 3] {
     let mut inputs = Material::default().inputs();
+    inputs.scatter = true;
     inputs.scatter_color = color;
     inputs.scatter_distance = distance;
     inputs.scatter_rayleigh = rayleigh;

@@ -2,7 +2,7 @@
 
 use super::albedos::Quantity;
 use super::coat::coat_passage;
-use super::fresnel::{f82_tint, fresnel};
+use super::fresnel::{f82_tint, fresnel, fresnel_bent};
 use super::ggx::{d_ggx, g1_smith, reflection_pdf, reflection_visibility, rotate_z, smith_length, vndf_pdf};
 use super::sheen::sheen_eval;
 use super::{Bsdf, COS_MIN, spreads_metal};
@@ -12,9 +12,10 @@ use burnish_material::Lobe;
 use std::f64::consts::FRAC_1_PI;
 
 impl<L: Lanes> Bsdf<'_, L> {
-    /// Reflectance of the interface at a facet seen under `cos_om`, and what its refracting share lets through.
+    /// Reflectance of the interface at a facet seen under `cos_om`, and what its refracting share lets through. `cos_im`: of the refracted
+    /// direction, where it is known.
     #[inline(always)]
-    pub(super) fn interface(&self, cos_om: L) -> (Rgb<L>, Rgb<L>) {
+    pub(super) fn interface(&self, cos_om: L, cos_im: Option<L>) -> (Rgb<L>, Rgb<L>) {
         let o = self.optics;
         let mut reflected = Rgb::black();
         let mut transmitted = Rgb::black();
@@ -22,7 +23,12 @@ impl<L: Lanes> Bsdf<'_, L> {
             reflected = f82_tint(cos_om, o.base_color, o.f82).scale(o.w_metal);
         }
         if self.lobes.has(Lobe::transmission) {
-            let f = fresnel(cos_om, self.eta_fresnel);
+            let mut f = fresnel(cos_om, self.eta_fresnel);
+            if let Some(cos_im) = cos_im {
+                // Under a coat, light reflects by another index than it bends by.
+                let g = (self.eta * cos_im.abs()).max(L::of(1e-20));
+                f = L::select(self.eta_fresnel.eq(self.eta) & !o.is_matched, fresnel_bent(cos_om, g, self.eta), f);
+            }
             let tint = Rgb::select(self.is_inside, Rgb::white(), o.edge_color);
             let share = o.w_transmission * self.glass_gain;
             transmitted = o.transmission_tint.scale(share * (L::one() - f));
@@ -86,7 +92,7 @@ impl<L: Lanes> Bsdf<'_, L> {
             let d = L::select(o.is_smooth, zero, d_ggx(m, o.alpha_x, o.alpha_y));
             let length_i = smith_length(wi_stretch, o.alpha_x, o.alpha_y);
             let visibility = d * reflection_visibility(self.wo.z, wi.z, self.length_o, length_i);
-            let (reflected, transmitted) = self.interface(cos_om);
+            let (reflected, transmitted) = self.interface(cos_om, None);
             base = reflected.scale(visibility);
             let p = self.p_interface * self.p_reflect(reflected, transmitted);
             pdf = p * reflection_pdf(self.wo, d, self.bound, self.length_o);
@@ -155,7 +161,7 @@ impl<L: Lanes> Bsdf<'_, L> {
         let pdf_m = vndf_pdf(self.wo, cos_om, d, self.length_o);
         let jacobian = self.eta.sqr() * cos_im.abs() / square.max(L::of(1e-20));
         let g1 = g1_smith(wi_stretch, smith_length(wi_stretch, o.alpha_x, o.alpha_y));
-        let (reflected, transmitted) = self.interface(cos_om.max(zero).min(L::one()));
+        let (reflected, transmitted) = self.interface(cos_om.max(zero).min(L::one()), Some(cos_im));
         let p = self.p_interface * (L::one() - self.p_reflect(reflected, transmitted));
         let value = transmitted.scale(pdf_m * g1 * jacobian) * self.layers_across(wi);
         (Rgb::select(is_possible, value, Rgb::black()), L::select(is_possible, p * pdf_m * jacobian, zero))

@@ -14,6 +14,11 @@ struct Interface {
 
 // Reflectance of the interface at a facet seen under `cos_om`, and what its refracting share lets through.
 fn bsdf_interface(b: Bsdf, cos_om: f32) -> Interface {
+    return bsdf_interface_bent(b, cos_om, 0.0);
+}
+
+// The same with the cosine of the refracted direction; 0 where it is not known.
+fn bsdf_interface_bent(b: Bsdf, cos_om: f32, cos_im: f32) -> Interface {
     let o = b.optics;
     var reflected = vec3f(0.0);
     var transmitted = vec3f(0.0);
@@ -21,7 +26,11 @@ fn bsdf_interface(b: Bsdf, cos_om: f32) -> Interface {
         reflected = f82_tint(cos_om, o.base_color, o.f82) * o.w_metal;
     }
     if HAS_TRANSMISSION {
-        let f = fresnel(cos_om, b.eta_fresnel);
+        var f = fresnel(cos_om, b.eta_fresnel);
+        if cos_im != 0.0 && b.eta_fresnel == b.eta && !o.is_matched {
+            // Under a coat, light reflects by another index than it bends by.
+            f = fresnel_bent(cos_om, max(b.eta * abs(cos_im), 1e-20), b.eta);
+        }
         let tint = select(o.edge_color, vec3f(1.0), b.is_inside);
         let share = o.w_transmission * b.glass_gain;
         transmitted = o.transmission_tint * (share * (1.0 - f));
@@ -152,7 +161,7 @@ fn bsdf_eval_transmission(b: Bsdf, wi: vec3f) -> BsdfValue {
     let pdf_m = vndf_pdf(b.wo, cos_om, d, b.length_o);
     let jacobian = sqr(b.eta) * abs(cos_im) / max(square, 1e-20);
     let g1 = g1_smith(wi_stretch, smith_length(wi_stretch, o.alpha_x, o.alpha_y));
-    let facet = bsdf_interface(b, saturate(cos_om));
+    let facet = bsdf_interface_bent(b, saturate(cos_om), cos_im);
     let p = b.p_interface * (1.0 - bsdf_p_reflect(b, facet.reflected, facet.transmitted));
     let value = facet.transmitted * (pdf_m * g1 * jacobian) * bsdf_layers_across(b, wi);
     return BsdfValue(select(vec3f(0.0), value, is_possible), select(0.0, p * pdf_m * jacobian, is_possible));

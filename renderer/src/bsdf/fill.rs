@@ -31,8 +31,8 @@ pub(super) struct Wanted {
 }
 
 /// Points along the polar and the azimuthal number of the visible normals, by how many numbers of the material vary: tables with many
-/// rows are coarse anyway. Isotropic sums use half the circle.
-const POINTS: [(usize, usize); 4] = [(80, 64), (40, 32), (24, 20), (16, 12)];
+/// rows are coarse anyway. Isotropic first, then stretched ones, which have many more entries. Isotropic sums use half the circle.
+const POINTS: [[(usize, usize); 4]; 2] = [[(80, 64), (40, 32), (24, 20), (16, 12)], [(64, 56), (32, 28), (20, 16), (16, 12)]];
 
 /// One row: `[azimuth][sqrt(mu)]` per quantity; empty where a quantity is not wanted.
 pub(super) fn fill(
@@ -42,8 +42,8 @@ pub(super) fn fill(
     cosines: usize,
     varying: usize,
 ) -> [Vec<f32>; QUANTITIES] {
-    // A stretched table has many more entries.
-    let (polar, circle) = POINTS[(varying + usize::from(azimuths > 1)).min(POINTS.len() - 1)];
+    let stretched = usize::from(azimuths > 1);
+    let (polar, circle) = POINTS[stretched][varying.min(POINTS[0].len() - 1)];
     let circle: Vec<(f64, f64)> = if azimuths == 1 {
         (0..circle / 2).map(|i| (PI * (i as f64 + 0.5) / (circle / 2) as f64).sin_cos()).collect()
     } else {

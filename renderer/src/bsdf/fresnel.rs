@@ -38,12 +38,19 @@ pub fn fresnel<L: Lanes>(c: L, eta: L) -> L {
     let is_matched = eta.eq(L::one());
     let is_total = g2.le(L::zero());
     let g = L::select(is_total | is_matched, L::one(), g2).sqrt();
+    let f = L::select(is_total, L::one(), fresnel_bent(c, g, eta));
+    L::select(is_matched, L::zero(), f)
+}
+
+/// [`fresnel`] of light that is known to refract, `g` being `eta` times the cosine of refraction, above 0: near total reflection the
+/// difference under its root would leave few digits of what passes. `eta` is not 1.
+#[inline(always)]
+pub fn fresnel_bent<L: Lanes>(c: L, g: L, eta: L) -> L {
+    let d = (eta - L::one()) * (eta + L::one());
     let q = L::one() / (c + g);
     let rs = -(d * q * q);
     let b = (c * (g + c) - L::one()) / (c * d * q + L::one());
-    let f = L::of(0.5) * rs * rs * (L::one() + b * b);
-    let f = L::select(is_total, L::one(), f);
-    L::select(is_matched, L::zero(), f).sat()
+    (L::of(0.5) * rs * rs * (L::one() + b * b)).sat()
 }
 
 /// Coefficient of the F82-tint curve for reflectance `r` at normal incidence and edge tint `t`, both in `[0, 1]`. Model reference 4.

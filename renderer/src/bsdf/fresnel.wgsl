@@ -31,11 +31,18 @@ fn fresnel(c: f32, eta: f32) -> f32 {
     let is_matched = eta == 1.0;
     let is_total = g2 <= 0.0;
     let g = sqrt(select(g2, 1.0, is_total || is_matched));
+    let f = select(fresnel_bent(c, g, eta), 1.0, is_total);
+    return select(f, 0.0, is_matched);
+}
+
+// `fresnel` of light that is known to refract, `g` being `eta` times the cosine of refraction, above 0: near total reflection the
+// difference under its root would leave few digits of what passes. `eta` is not 1.
+fn fresnel_bent(c: f32, g: f32, eta: f32) -> f32 {
+    let d = (eta - 1.0) * (eta + 1.0);
     let q = 1.0 / (c + g);
     let rs = -(d * q * q);
     let b = (c * (g + c) - 1.0) / (c * d * q + 1.0);
-    let f = select(0.5 * rs * rs * (1.0 + b * b), 1.0, is_total);
-    return saturate(select(f, 0.0, is_matched));
+    return saturate(0.5 * rs * rs * (1.0 + b * b));
 }
 
 // Coefficient of the F82-tint curve for reflectance `r` at normal incidence and edge tint `t`, both in [0, 1]. Model reference 4.

@@ -104,7 +104,7 @@ fn interpret(inputs: Inputs, length_scale: f32) -> Optics {
     let coat_alphas = alphas(coat_roughness, 0.0);
 
     var medium = Medium(vec3f(0.0), vec3f(0.0));
-    if HAS_SCATTERING {
+    if HAS_SCATTERING && inputs.scatter {
         medium = scattering(inputs, length_scale);
     }
     var transmission_tint = vec3f(1.0);

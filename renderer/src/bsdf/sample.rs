@@ -68,7 +68,7 @@ impl<L: Lanes> Bsdf<'_, L> {
         let mut is_transmission = none;
         let (mut through, mut through_pdf) = (Rgb::black(), zero);
         let mut is_delta = is_smooth & (is_coat | is_interface);
-        let (reflected, transmitted) = self.interface(cos_om);
+        let (reflected, transmitted) = self.interface(cos_om, None);
         let p_reflect = self.p_reflect(reflected, transmitted);
         if self.lobes.has(Lobe::transmission) {
             let p_refract = one - p_reflect;

@@ -10,39 +10,6 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use std::time::Duration;
 
 #[test]
-#[ignore = "prints all numbers of the suite; for those who change limits"]
-fn show_the_suite() {
-    let cases = suite();
-    println!("{} cases", cases.len());
-    let start = Instant::now();
-    let reports = run(&cases, 2, &|_| (), &|| false).expect("nobody cancels");
-    println!("{:.1} s", start.elapsed().as_secs_f64());
-    for r in &reports {
-        let n = &r.numbers;
-        println!(
-            "{} | {:.2}s t{:.1} dark {:.2} bad {} {} co {} pdf {:.1e} den {:.3} gain {:.4} loss {:.4} prec {:.1e} br {:.3} | {}",
-            if r.holds() { "ok  " } else { "FAIL" },
-            r.seconds,
-            n.time_ratio,
-            n.darkness.unwrap_or(0.0),
-            n.nonfinite,
-            n.negative,
-            n.coefficients.len(),
-            n.pdf_mismatch.value,
-            n.density_excess.value,
-            n.gain.value,
-            n.loss.as_ref().map_or(0.0, |w| w.value),
-            n.precision.value,
-            n.brightness.unwrap_or(0.0),
-            r.name,
-        );
-        if !r.holds() {
-            println!("     {:?} {}", r.failed, r.worst);
-        }
-    }
-}
-
-#[test]
 fn the_suite_has_many_cases_with_names_of_their_own() {
     let cases = suite();
     assert!(cases.len() >= 200, "{}", cases.len());
