@@ -424,7 +424,8 @@ fn compare_precisions(name: &str, make: impl Fn(&mut Random) -> Material, side: 
                 // harm: values go to zero where a facet is seen edge-on.
                 let largest = v2.max_channel();
                 // A half vector has seven digits; the narrowest lobe tells directions apart that differ in the eighth.
-                let narrowest = exact.optics.alpha_y.min(if single.lobes.has(Lobe::coat) { exact.optics.coat_alpha } else { 1.0 });
+                let narrowest =
+                    exact.optics.alpha_y.min(if single.lobes.has(Lobe::coat) { exact.optics.coat_alpha } else { 1.0 });
                 let condition = 1.0 + 1e-4 / narrowest;
                 let pairs = [(p1, p2, p2), (v1.0[0], v2.0[0], largest), (v1.0[1], v2.0[1], largest), (v1.0[2], v2.0[2], largest)];
                 for (a, b, scale) in pairs {
