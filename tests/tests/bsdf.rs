@@ -497,7 +497,9 @@ fn single_precision_follows_double_precision() {
             side,
         );
         println!("{name}: {} compared, largest difference {:.2e}: {}", worst.compared, worst.share, worst.place);
-        if worst.share.is_nan() || worst.share > 1e-3 {
+        // What is reflected at the very limit of total reflection ends in a root of a difference, of which rounded cosines leave no more.
+        let limit = if name == "glass from inside" { 3e-3 } else { 1e-3 };
+        if worst.share.is_nan() || worst.share > limit {
             failed.push(format!("{name}: {:.2e}: {}", worst.share, worst.place));
         }
     }
