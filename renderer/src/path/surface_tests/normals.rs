@@ -10,7 +10,7 @@ use crate::bvh::Ray;
 use crate::scene::Object;
 use crate::vector::V3;
 use burnish_assets::Image;
-use burnish_material::{LobeSet, Property, Value};
+use burnish_material::{Property, Value};
 use glam::{Mat2, Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -60,10 +60,7 @@ fn slopes_are_those_of_the_height_field() {
 
 /// Normals of base and coat at a hit from above, in the frame x, -z, y of the plane.
 fn normals(object: Object) -> [Vec3; 2] {
-    let lobes = LobeSet::of(&object.material);
-    let mut prepared = Prepared::new(&scene(vec![object], white_room()), None);
-    // Whatever the renderer leaves out for now.
-    prepared.surfaces[0].lobes = lobes;
+    let prepared = Prepared::new(&scene(vec![object], white_room()), None);
     let surface = &prepared.surfaces[0];
     let at = prepared.geometry.normalized(Vec3::new(0.21, 1.0, 0.13));
     let hits = [prepared.geometry.bvh.closest(&Ray::new(at, Vec3::NEG_Y)); MAX_LANES];
