@@ -53,6 +53,9 @@ pub struct RenderArguments {
     /// Leaves lobes out also where they are needed, to see what they add (names: `burnish features`)
     #[arg(long, value_name = "LOBE,...", value_delimiter = ',', value_parser = lobe)]
     without: Vec<Lobe>,
+    /// Finds caustics by paths from the camera alone, to see what tracing them from the light is worth
+    #[arg(long)]
+    no_photons: bool,
     /// Leaves the background out; the picture gets an alpha channel
     #[arg(long)]
     transparent: bool,
@@ -183,6 +186,7 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
     let less = arguments.without.iter().fold(LobeSet::EMPTY, |set, lobe| set.with(*lobe));
     let start = Instant::now();
     let prepared = Prepared::with_lobes(&loaded.scene, None, LobeSet::EMPTY, less);
+    let prepared = if arguments.no_photons { prepared.without_photons() } else { prepared };
     let rendering = path::render_prepared(&prepared, &settings, start, &mut |progress| {
         line.show(|| progress_text(progress));
         !interrupt::is_interrupted()

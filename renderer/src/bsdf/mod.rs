@@ -10,6 +10,7 @@
 //! the mean reflectance), glass is scaled up by what its single scattering misses, a dielectric passes it to the diffuse lobe below
 //! (model reference 3.4, 5.3). The scale of glass depends on the viewer alone, so rough glass is not strictly reciprocal. Twin of `bsdf.wgsl`.
 
+pub mod adjoint;
 pub mod albedos;
 pub mod coat;
 pub mod dispersion;

@@ -45,6 +45,10 @@ pub(super) struct Paths {
     pub indices: Vec<u32>,
     /// Whether the path met a surface that did not let it pass straight on.
     pub is_covered: Vec<bool>,
+    /// Whether the path came from the camera to a receiver of caustics first, and through no scattering body since.
+    pub is_from_receiver: Vec<bool>,
+    /// Whether photons bring the hot part of the light that the next ray may find.
+    pub is_cold: Vec<bool>,
     /// Where the last ray arrived.
     pub hits: Vec<Hit>,
 }
@@ -74,7 +78,9 @@ impl Paths {
         self.excluded.resize(count, NONE);
         self.seeds.resize(count, 0);
         self.indices.resize(count, 0);
-        self.is_covered.resize(count, false);
+        for column in [&mut self.is_covered, &mut self.is_from_receiver, &mut self.is_cold] {
+            column.resize(count, false);
+        }
         self.hits.resize(count, Hit::MISS);
     }
 }
@@ -88,8 +94,8 @@ pub(super) struct Shadows {
     pub contributions: Vec<[f32; 3]>,
     /// Extinction along the first stretch, 1/normalised unit.
     pub sigmas: Vec<[f32; 3]>,
-    /// The path that gets the light.
-    pub paths: Vec<u32>,
+    /// What gets the light: the path, or the pixel where a photon is connected to the camera.
+    pub targets: Vec<u32>,
     /// Whether the way is blocked.
     pub blocked: Vec<bool>,
 }
@@ -100,7 +106,7 @@ impl Shadows {
         self.rays.clear();
         self.contributions.clear();
         self.sigmas.clear();
-        self.paths.clear();
+        self.targets.clear();
     }
 }
 

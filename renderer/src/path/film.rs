@@ -1,5 +1,6 @@
 //! The picture: sums of samples in independent replicates, and what they tell about its error.
 
+use super::photon::Splat;
 use std::sync::Mutex;
 
 /// Independent randomisations of the sample sequence. Sample `i` belongs to replicate `i % REPLICATES`. Their differences are the only
@@ -25,6 +26,10 @@ pub struct Film {
     sums: Vec<[f64; 3]>,
     /// Samples that met a surface, per pixel.
     covered: Vec<u32>,
+    /// What photons brought, like `sums`; empty in a scene without them.
+    splats: Vec<[f64; 3]>,
+    /// Photons emitted, by replicate.
+    photons: [u64; REPLICATES],
     /// Where a pass in progress writes; swapped in when it is complete.
     next_sums: Vec<[f64; 3]>,
     next_covered: Vec<u32>,
@@ -62,6 +67,8 @@ impl Film {
             spp: 0,
             sums: vec![[0.0; 3]; pixels * REPLICATES],
             covered: vec![0; pixels],
+            splats: Vec::new(),
+            photons: [0; REPLICATES],
             next_sums: vec![[0.0; 3]; pixels * REPLICATES],
             next_covered: vec![0; pixels],
         }
@@ -75,8 +82,36 @@ impl Film {
     /// Mean radiance per pixel, linear Rec.709, row by row from the top. Zeros without samples.
     pub fn mean(&self) -> Vec<[f32; 3]> {
         let scale = 1.0 / f64::from(self.spp.max(1));
-        let sum = |r: &[[f64; 3]]| std::array::from_fn(|k| (r.iter().map(|s| s[k]).sum::<f64>() * scale) as f32);
-        self.sums.chunks(REPLICATES).map(sum).collect()
+        let photons = 1.0 / self.photons.iter().sum::<u64>().max(1) as f64;
+        let sum = |r: &[[f64; 3]], k: usize| r.iter().map(|s| s[k]).sum::<f64>();
+        let pixel = |(i, r): (usize, &[[f64; 3]])| {
+            let splats = self.splats.get(i * REPLICATES..(i + 1) * REPLICATES).unwrap_or_default();
+            std::array::from_fn(|k| (sum(r, k) * scale + sum(splats, k) * photons) as f32)
+        };
+        self.sums.chunks(REPLICATES).enumerate().map(pixel).collect()
+    }
+
+    /// Adds what photons brought, and counts the photons of a replicate that were emitted for it.
+    pub(super) fn add_photons(&mut self, replicate: usize, emitted: u64, splats: &[Splat]) {
+        if self.splats.is_empty() {
+            self.splats = vec![[0.0; 3]; self.sums.len()];
+        }
+        self.photons[replicate] += emitted;
+        for splat in splats {
+            let sum = &mut self.splats[splat.pixel as usize * REPLICATES + replicate];
+            for (sum, light) in sum.iter_mut().zip(splat.light) {
+                *sum += f64::from(light);
+            }
+        }
+    }
+
+    /// Means of the replicates of a pixel in one channel.
+    fn means(&self, pixel: usize, counts: &[f64; REPLICATES], channel: usize) -> [f64; REPLICATES] {
+        std::array::from_fn(|r| {
+            let at = pixel * REPLICATES + r;
+            let splats = self.splats.get(at).map_or(0.0, |s| s[channel] / self.photons[r].max(1) as f64);
+            self.sums[at][channel] / counts[r] + splats
+        })
     }
 
     /// Share of samples that met a surface, `[0, 1]`.
@@ -91,7 +126,8 @@ impl Film {
             return vec![[0.0; 3]; self.width * self.height];
         }
         let counts = self.counts();
-        self.sums.chunks(REPLICATES).map(|r| std::array::from_fn(|k| variance_of_mean(&means(r, &counts, k)) as f32)).collect()
+        let variance = |pixel| std::array::from_fn(|k| variance_of_mean(&self.means(pixel, &counts, k)) as f32);
+        (0..self.width * self.height).map(variance).collect()
     }
 
     /// Samples in each replicate.
@@ -115,10 +151,10 @@ impl Film {
         let mut plug_in = vec![0.0; columns * rows];
         let mut cross = vec![0.0; columns * rows];
         let mut weight = vec![0.0; columns * rows];
-        for (pixel, sums) in self.sums.chunks(REPLICATES).enumerate() {
+        for pixel in 0..self.width * self.height {
             let block = pixel / self.width / BLOCK * columns + pixel % self.width / BLOCK;
             for k in 0..3 {
-                let b = means(sums, &counts, k);
+                let b = self.means(pixel, &counts, k);
                 plug_in[block] += plug_in_term(&b);
                 cross[block] += cross_term(&b);
             }
@@ -187,10 +223,6 @@ impl PassTarget<'_> {
             next.1[first..first + width].copy_from_slice(&covered[row * width..(row + 1) * width]);
         }
     }
-}
-
-fn means(sums: &[[f64; 3]], counts: &[f64; REPLICATES], channel: usize) -> [f64; REPLICATES] {
-    std::array::from_fn(|r| sums[r][channel] / counts[r])
 }
 
 fn variance_of_mean(b: &[f64; REPLICATES]) -> f64 {

@@ -11,15 +11,18 @@
 
 mod aov;
 mod batch;
+mod caustics;
 mod cone;
 mod detail;
 mod displace;
+mod distribution;
 mod film;
 mod frame;
 mod geometry;
 mod light;
 mod mip;
 mod miss;
+mod photon;
 mod prepared;
 mod raygen;
 pub(crate) mod render;

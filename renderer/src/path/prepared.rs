@@ -1,6 +1,7 @@
 //! What a scene becomes before it is rendered: one tree, tables of the light, one surface per material.
 
 use super::batch::Batch;
+use super::caustics::{Caustics, Role};
 use super::detail::Bumps;
 use super::displace::{Relief, length_scale};
 use super::geometry::Geometry;
@@ -34,6 +35,8 @@ pub struct Prepared {
     pub(super) has_cut_through: bool,
     /// Whether any surface reads images.
     pub(super) has_images: bool,
+    /// Where photons bring the light of caustics; `None` where paths from the camera bring all light.
+    pub(super) caustics: Option<Caustics>,
     /// The images that surfaces and geometry read.
     sources: Sources,
     /// Buffers of threads that rest.
@@ -68,6 +71,8 @@ pub(super) struct Surface {
     pub length_scale: f64,
     /// Tables of its albedos.
     pub albedos: Arc<Albedos>,
+    /// What it is to caustics; [`Role::Other`] for all surfaces of a scene without photons.
+    pub role: Role,
 }
 
 impl Surface {
@@ -101,6 +106,7 @@ impl Surface {
             length_scale,
             images: object.textures.clone(),
             material: object.material.clone(),
+            role: Role::Other,
         }
     }
 
@@ -178,8 +184,18 @@ impl Prepared {
             if extent.is_finite() { extent.max(1e-6) as f32 } else { 1.0 }
         };
         sources.drop_unused();
+        let light = Light::new(&scene.environment, tables);
+        let is_outside = camera_medium.object == NONE;
+        let roles: Vec<Role> = surfaces.iter().map(Role::of).collect();
+        let caustics = Caustics::new(&geometry, |object| roles[surface_of_object[object] as usize]);
+        // Bright enough light is asked for last: finding out takes the longest.
+        let caustics = caustics.filter(|_| is_outside && light.has_hot());
+        if caustics.is_some() {
+            surfaces.iter_mut().zip(roles).for_each(|(surface, role)| surface.role = role);
+        }
         Self {
-            light: Light::new(&scene.environment, tables),
+            light,
+            caustics,
             has_images: surfaces.iter().any(Surface::reads_images),
             sources,
             has_cut_through: has(Lobe::opacity),
@@ -199,6 +215,18 @@ impl Prepared {
     /// Lobes that the materials of this scene need.
     pub fn lobes(&self) -> LobeSet {
         self.surfaces.iter().fold(LobeSet::EMPTY, |set, s| set.union(s.lobes))
+    }
+
+    /// The same scene without photons: all light is left to paths from the camera.
+    pub fn without_photons(mut self) -> Self {
+        self.caustics = None;
+        self.surfaces.iter_mut().for_each(|surface| surface.role = Role::Other);
+        self
+    }
+
+    /// Whether photons bring the light of caustics.
+    pub fn has_photons(&self) -> bool {
+        self.caustics.is_some()
     }
 
     /// Tables of the albedos of all materials.

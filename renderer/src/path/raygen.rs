@@ -122,6 +122,8 @@ impl Kernel for Raygen<'_> {
                 paths.seeds[path] = seeds[lane];
                 paths.indices[path] = indices[lane];
                 paths.is_covered[path] = false;
+                paths.is_from_receiver[path] = false;
+                paths.is_cold[path] = false;
             }
             start += L::WIDTH;
         }

@@ -7,12 +7,15 @@ use super::PassStats;
 use super::batch::{BATCH, Batch};
 use super::film::{Film, PassTarget, REPLICATES};
 use super::miss::{Miss, accumulate};
+use super::photon::{Photons, Splat, photons_per_sample, trace_photons};
 use super::prepared::Prepared;
 use super::raygen::{Raygen, Tile, View};
 use super::shade::Shade;
 use super::trace::{PASS_LIMIT, trace, trace_shadows};
 use crate::lanes::dispatch;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Samples of a pixel that go together at most; longer passes take a tile in several batches.
 const SAMPLES_MAX: u32 = 16;
@@ -36,6 +39,8 @@ pub fn render_pass(
     let side = tile_side(width * height, spp, threads);
     let columns = width.div_ceil(side);
     let tiles = columns * height.div_ceil(side);
+    let photons = photon_work(prepared, width, height, first..first + spp);
+    let splats: Vec<Mutex<Vec<Splat>>> = photons.iter().map(|_| Mutex::default()).collect();
     let counter = AtomicUsize::new(0);
     let is_cancelled = AtomicBool::new(false);
     let target = film.begin();
@@ -44,8 +49,15 @@ pub fn render_pass(
         let mut stats = PassStats::default();
         loop {
             let number = counter.fetch_add(1, Ordering::Relaxed);
-            if number >= tiles || is_cancelled.load(Ordering::Relaxed) {
+            if number >= tiles + photons.len() || is_cancelled.load(Ordering::Relaxed) {
                 break;
+            }
+            if let (Some(caustics), Some(number)) = (&prepared.caustics, number.checked_sub(tiles)) {
+                is_cancelled.fetch_or(cancel(), Ordering::Relaxed);
+                let mut brought = Vec::new();
+                trace_photons(prepared, caustics, &view, photons[number], seed, &mut batch, &mut brought, &mut stats);
+                *splats[number].lock().unwrap_or_else(PoisonError::into_inner) = brought;
+                continue;
             }
             let (x, y) = (number % columns * side, number / columns * side);
             let tile = Tile { x, y, width: side.min(width - x), height: side.min(height - y), first, count: spp };
@@ -79,7 +91,29 @@ pub fn render_pass(
         return None;
     }
     film.commit(spp);
+    // In the order of their numbers, so that the sums are the same to the bit whoever traced them.
+    for (work, splats) in photons.iter().zip(splats) {
+        let splats = splats.into_inner().unwrap_or_else(PoisonError::into_inner);
+        film.add_photons(work.replicate as usize, work.count as u64, &splats);
+    }
     Some(total)
+}
+
+/// The photons that go with a run of samples, in parts of a batch.
+fn photon_work(prepared: &Prepared, width: usize, height: usize, samples: Range<u32>) -> Vec<Photons> {
+    if prepared.caustics.is_none() {
+        return Vec::new();
+    }
+    let each = photons_per_sample(width, height);
+    let parts = |sample: u32| {
+        let first = u64::from(sample / REPLICATES as u32) * each as u64;
+        (0..each).step_by(BATCH).map(move |start| Photons {
+            replicate: sample % REPLICATES as u32,
+            first: first + start as u64,
+            count: BATCH.min(each - start),
+        })
+    };
+    samples.flat_map(parts).collect()
 }
 
 /// Side of square tiles: as many paths as a batch holds, but enough tiles for all threads.

@@ -7,6 +7,7 @@
 
 use super::PassStats;
 use super::batch::{Paths, Shadows, Triples};
+use super::caustics::Role;
 use super::detail::{Footprint, Shading};
 use super::frame::{Frame, Point, point};
 use super::geometry::offset;
@@ -21,7 +22,7 @@ use burnish_material::{Inputs, Lobe};
 use glam::Vec3;
 
 /// Scattering events before roulette may end a path. Earlier roulette costs more noise than it saves time, glass above all.
-const ROULETTE_START: u32 = 8;
+pub(super) const ROULETTE_START: u32 = 8;
 
 /// Shades the paths of `list`, all on `surface`. `vertex` counts the interfaces that each of them met before.
 pub(super) struct Shade<'a> {
@@ -97,6 +98,9 @@ impl Shade<'_> {
         let is_met = is_live & !is_passed;
         for (i, id) in id.iter().enumerate().take(ids.len()) {
             self.paths.is_covered[*id] |= is_met.lane(i);
+            if is_met.lane(i) && self.paths.bounces[*id] == 0 {
+                self.paths.is_from_receiver[*id] = surface.role == Role::Receiver;
+            }
         }
         if lobes.has(Lobe::emission) {
             let emitted = throughput * optics.emission;
@@ -121,7 +125,7 @@ impl Shade<'_> {
             is_alive: is_passed,
         };
         if is_scattered.any() {
-            let light = lobes.has(Lobe::dispersion).then(|| self.wavelength(&id));
+            let light = lobes.has(Lobe::dispersion).then(|| wavelength(self.paths, &id));
             let coat_normal = surface.has_coat_normal().then(|| frame.local(coat_normal));
             let view = View { throughput, light, coat_normal, ..View::new(frame.local(wo)) };
             let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &view);
@@ -134,17 +138,6 @@ impl Shade<'_> {
             self.scatter(&bsdf, &frame, &at, wo, choice[3], u, is_scattered, is_dispersing, &id, &mut go);
         }
         self.write(&go, &at, medium, is_passed, &id[..ids.len()], &hits);
-    }
-
-    /// Wavelengths of the paths.
-    #[inline(always)]
-    fn wavelength<L: Lanes>(&self, id: &[usize; MAX_LANES]) -> Wavelength<L> {
-        let weights = per_lane([0.0; 3], |i| spectrum().weights(f64::from(self.paths.wavelength[id[i]])));
-        Wavelength {
-            nm: L::from_fn(|i| self.paths.wavelength[id[i]]),
-            weights: Rgb([0, 1, 2].map(|k| L::from_fn(|i| weights[i][k]))),
-            is_dispersed: <L::Mask as Mask>::from_fn(|i| self.paths.is_dispersed[id[i]]),
-        }
     }
 
     /// One light sample, weighted against BSDF sampling by the balance heuristic.
@@ -164,13 +157,18 @@ impl Shade<'_> {
     ) {
         let zero = L::zero();
         let light = self.prepared.light.sample(u[0], u[1]);
+        let mut radiance = light.radiance;
+        if self.surface.role == Role::Caster {
+            let is_cold = <L::Mask as Mask>::from_fn(|i| self.paths.is_from_receiver[id[i]]);
+            radiance = Rgb::select(is_cold, self.prepared.light.cold(radiance), radiance);
+        }
         let local = frame.local(light.direction);
         let (value, pdf) = bsdf.eval(local);
         let outwards = light.direction.dot(at.ng);
         // A direction must be on the same side of both normals, or light leaks through the surface.
         let is_consistent = (outwards * local.z).gt(zero);
         let weight = L::one() / (light.pdf + pdf).max(L::of(1e-30));
-        let c = (throughput * value * light.radiance).scale(weight);
+        let c = (throughput * value * radiance).scale(weight);
         let is_used = is_scattered & is_consistent & light.pdf.gt(zero) & !c.max_channel().le(zero);
         if !is_used.any() {
             return;
@@ -192,7 +190,7 @@ impl Shade<'_> {
             let excluded = self.paths.hits[id[i]].triangle;
             self.shadows.rays.push(Ray { excluded, ..Ray::new(origin, direction) });
             self.shadows.contributions.push(contribution);
-            self.shadows.paths.push(id[i] as u32);
+            self.shadows.targets.push(id[i] as u32);
             self.shadows.sigmas.push(lane_of(extinction, i));
         }
     }
@@ -282,6 +280,11 @@ impl Shade<'_> {
                 self.paths.sigma_a[k][id] = sigma_a.0[k].lane(i);
                 self.paths.sigma_s[k][id] = sigma_s.0[k].lane(i);
             }
+            self.paths.is_from_receiver[id] &= !is_scattering.lane(i);
+            if !is_passed.lane(i) {
+                self.paths.is_cold[id] = self.surface.role == Role::Caster;
+            }
+            self.paths.is_cold[id] &= self.paths.is_from_receiver[id];
             if go.is_across.lane(i) {
                 self.paths.body[id] = self.prepared.geometry.triangles[hits[i].triangle as usize][3];
             }
@@ -343,6 +346,17 @@ pub(super) fn opacity_at(prepared: &Prepared, surface: &Surface, hit: &Hit) -> (
     (optics.opacity, (optics.sigma_a + optics.sigma_s).0)
 }
 
+/// Wavelengths of paths.
+#[inline(always)]
+pub(super) fn wavelength<L: Lanes>(paths: &Paths, id: &[usize; MAX_LANES]) -> Wavelength<L> {
+    let weights = per_lane([0.0; 3], |i| spectrum().weights(f64::from(paths.wavelength[id[i]])));
+    Wavelength {
+        nm: L::from_fn(|i| paths.wavelength[id[i]]),
+        weights: Rgb([0, 1, 2].map(|k| L::from_fn(|i| weights[i][k]))),
+        is_dispersed: <L::Mask as Mask>::from_fn(|i| paths.is_dispersed[id[i]]),
+    }
+}
+
 /// Adds light to a path, or counts why not.
 #[inline(always)]
 pub(super) fn add(paths: &mut Paths, stats: &mut PassStats, path: usize, light: [f32; 3]) {
@@ -355,7 +369,7 @@ pub(super) fn add(paths: &mut Paths, stats: &mut PassStats, path: usize, light: 
 
 /// A point just off its surface, on the side that `n` (unit) points to.
 #[inline(always)]
-fn leave(p: Vec3, n: Vec3) -> Vec3 {
+pub(super) fn leave(p: Vec3, n: Vec3) -> Vec3 {
     Vec3::new(offset(p.x, n.x), offset(p.y, n.y), offset(p.z, n.z))
 }
 
@@ -366,13 +380,13 @@ pub(super) fn load<L: Lanes>(triple: &Triples, id: &[usize; MAX_LANES]) -> [L; 3
 }
 
 #[inline(always)]
-fn load_vector<L: Lanes>(triple: &Triples, id: &[usize; MAX_LANES]) -> V3<L> {
+pub(super) fn load_vector<L: Lanes>(triple: &Triples, id: &[usize; MAX_LANES]) -> V3<L> {
     let [x, y, z] = load(triple, id);
     V3::new(x, y, z)
 }
 
 #[inline(always)]
-fn lane_vector<L: Lanes>(v: V3<L>, i: usize) -> Vec3 {
+pub(super) fn lane_vector<L: Lanes>(v: V3<L>, i: usize) -> Vec3 {
     Vec3::new(v.x.lane(i), v.y.lane(i), v.z.lane(i))
 }
 
