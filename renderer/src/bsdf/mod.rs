@@ -33,7 +33,7 @@ use dispersion::WAVELENGTH_RANGE;
 use fresnel::{f82_average, f82_tint, fresnel};
 use ggx::{rotate_z, smith_length, vndf_bound};
 pub use interpret::{Optics, interpret};
-pub use sample::BsdfSample;
+pub use sample::{BsdfSample, Side};
 use std::f64::consts::FRAC_1_PI;
 use tables::sheen_albedo;
 

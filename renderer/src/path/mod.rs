@@ -14,12 +14,15 @@ mod batch;
 mod caustics;
 mod cone;
 mod detail;
+mod direct;
 mod displace;
 mod distribution;
 mod film;
 mod frame;
 mod geometry;
 mod light;
+#[cfg(test)]
+mod light_tests;
 mod mip;
 mod miss;
 mod photon;

@@ -3,16 +3,20 @@
 use super::batch::Batch;
 use super::caustics::{Caustics, Role};
 use super::detail::Bumps;
+use super::direct::Connection;
 use super::displace::{Relief, length_scale};
 use super::geometry::Geometry;
 use super::light::{Light, LightTables};
 use super::mip::Sources;
 use super::texture::Texture;
-use crate::bsdf::{Albedos, interpret};
+use crate::bsdf::{Albedos, Optics, interpret};
 use crate::bvh::NONE;
 use crate::scene::{Camera, Object, Scene, TextureSet};
-use burnish_material::{Inputs, Lobe, LobeSet, Material};
+use burnish_material::{Inputs, Lobe, LobeSet, Material, Property};
 use std::sync::{Arc, Mutex};
+
+/// Microfacet alpha below which refracting surfaces count as sharp.
+const SPLIT_ALPHA: f64 = 0.03;
 
 /// An immutable scene ready for the path tracer.
 #[derive(Debug)]
@@ -35,6 +39,8 @@ pub struct Prepared {
     pub(super) has_cut_through: bool,
     /// Whether any surface reads images.
     pub(super) has_images: bool,
+    /// Whether direct light near the camera is chosen from several candidates.
+    pub(super) resamples: bool,
     /// Where photons bring the light of caustics; `None` where paths from the camera bring all light.
     pub(super) caustics: Option<Caustics>,
     /// The images that surfaces and geometry read.
@@ -71,6 +77,11 @@ pub(super) struct Surface {
     pub length_scale: f64,
     /// Tables of its albedos.
     pub albedos: Arc<Albedos>,
+    /// How it is connected to the light.
+    pub connection: Connection,
+    /// Whether what it reflects and what it lets through are both followed where the camera sees it first: where both are sharp, the choice
+    /// between them is most of the noise.
+    pub splits: bool,
     /// What it is to caustics; [`Role::Other`] for all surfaces of a scene without photons.
     pub role: Role,
 }
@@ -97,7 +108,10 @@ impl Surface {
         };
         let (lobes, textures) = (lobes(&object.material), Texture::all_of(object, sources));
         let varies = |property| textures.iter().any(|t| t.property == property);
+        let optics: Optics<f64> = interpret(&inputs, lobes, length_scale);
         Self {
+            connection: Connection::of(&optics, lobes, varies),
+            splits: lobes.has(Lobe::transmission) && optics.alpha_x.max(optics.alpha_y) < SPLIT_ALPHA && !varies(Property::roughness),
             albedos: Albedos::new(&inputs, lobes, varies, albedos),
             lobes,
             textures,
@@ -196,6 +210,7 @@ impl Prepared {
         Self {
             light,
             caustics,
+            resamples: true,
             has_images: surfaces.iter().any(Surface::reads_images),
             sources,
             has_cut_through: has(Lobe::opacity),

@@ -124,6 +124,7 @@ impl Kernel for Raygen<'_> {
                 paths.is_covered[path] = false;
                 paths.is_from_receiver[path] = false;
                 paths.is_cold[path] = false;
+                paths.is_lit[path] = false;
             }
             start += L::WIDTH;
         }

@@ -191,4 +191,5 @@ fn run_batch(prepared: &Prepared, view: &View, tile: Tile, seed: u64, batch: &mu
         }
         std::mem::swap(active, next);
     }
+    batch.paths.fold_branches();
 }

@@ -1,4 +1,4 @@
-//! Third stage: what happens at a surface. Emission, cut-through, one light connection, one scattered direction, roulette.
+//! Third stage: what happens at a surface. Emission, cut-through, connections to the light (`direct`), scattered directions, roulette.
 //!
 //! One call shades all paths that hit one material, as many at a time as there are lanes. The instance with one lane is the
 //! reference: the same source, the same numbers.
@@ -12,10 +12,10 @@ use super::detail::{Footprint, Shading};
 use super::frame::{Frame, Point, point};
 use super::geometry::offset;
 use super::prepared::{Prepared, Surface};
-use super::sampler::{Group, MAX_LANES, draw, per_lane};
+use super::sampler::{Group, MAX_LANES, Words, draw, per_lane};
 use crate::bsdf::dispersion::spectrum;
-use crate::bsdf::{Bsdf, Optics, View, Wavelength, interpret};
-use crate::bvh::{Hit, Ray};
+use crate::bsdf::{Bsdf, Optics, Side, View, Wavelength, interpret};
+use crate::bvh::Hit;
 use crate::lanes::{Kernel, Lanes, Mask};
 use crate::vector::{Rgb, V3};
 use burnish_material::{Inputs, Lobe};
@@ -129,90 +129,48 @@ impl Shade<'_> {
             let coat_normal = surface.has_coat_normal().then(|| frame.local(coat_normal));
             let view = View { throughput, light, coat_normal, ..View::new(frame.local(wo)) };
             let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &view);
-            let choice: [L; 4] = draw(Group::Light, self.vertex, &seeds, &indices);
-            if prepared.light.is_sampled() {
-                self.connect(&bsdf, &frame, &at, wo, throughput, [medium, go.beyond], choice, is_scattered, &id);
-            }
-            let u: [L; 4] = draw(Group::Bsdf, self.vertex, &seeds, &indices);
+            let media = [medium, go.beyond];
+            let (seeds, indices) = (&seeds, &indices);
+            let here =
+                Encounter { bsdf: &bsdf, frame: &frame, at: &at, wo, throughput, media, is_scattered, id: &id, seeds, indices };
+            let choice: [L; 4] = draw(Group::Light, self.vertex, seeds, indices);
+            self.direct_light(&here, choice);
+            let u: [L; 4] = draw(Group::Bsdf, self.vertex, seeds, indices);
             let is_dispersing = optics.dispersion.gt(L::zero());
-            self.scatter(&bsdf, &frame, &at, wo, choice[3], u, is_scattered, is_dispersing, &id, &mut go);
+            // What a refracting body reflects and what it lets through are both followed where the camera sees it first.
+            if self.vertex == 0 && surface.splits {
+                let mut mirrored = go;
+                self.scatter(&here, Side::Same, choice[3], u, is_dispersing, &mut mirrored);
+                mirrored.is_alive = mirrored.is_alive & is_scattered;
+                let mut branches = id;
+                for (i, branch) in branches.iter_mut().enumerate().take(ids.len()) {
+                    if mirrored.is_alive.lane(i) {
+                        *branch = self.paths.branch(id[i]);
+                    }
+                }
+                self.write(&mirrored, &at, medium, <L::Mask as Mask>::splat(false), &branches[..ids.len()], &hits);
+                self.scatter(&here, Side::Across, choice[3], u, is_dispersing, &mut go);
+            } else {
+                self.scatter(&here, Side::Both, choice[3], u, is_dispersing, &mut go);
+            }
         }
         self.write(&go, &at, medium, is_passed, &id[..ids.len()], &hits);
     }
 
-    /// One light sample, weighted against BSDF sampling by the balance heuristic.
+    /// One scattered direction on a side of the surface, and roulette.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "values that stay in registers")]
-    fn connect<L: Lanes>(
-        &mut self,
-        bsdf: &Bsdf<'_, L>,
-        frame: &Frame<L>,
-        at: &Point<L>,
-        wo: V3<L>,
-        throughput: Rgb<L>,
-        [here, beyond]: [Medium<L>; 2],
-        u: [L; 4],
-        is_scattered: L::Mask,
-        id: &[usize; MAX_LANES],
-    ) {
-        let zero = L::zero();
-        let light = self.prepared.light.sample(u[0], u[1]);
-        let mut radiance = light.radiance;
-        if self.surface.role == Role::Caster {
-            let is_cold = <L::Mask as Mask>::from_fn(|i| self.paths.is_from_receiver[id[i]]);
-            radiance = Rgb::select(is_cold, self.prepared.light.cold(radiance), radiance);
-        }
-        let local = frame.local(light.direction);
-        let (value, pdf) = bsdf.eval(local);
-        let outwards = light.direction.dot(at.ng);
-        // A direction must be on the same side of both normals, or light leaks through the surface.
-        let is_consistent = (outwards * local.z).gt(zero);
-        let weight = L::one() / (light.pdf + pdf).max(L::of(1e-30));
-        let c = (throughput * value * radiance).scale(weight);
-        let is_used = is_scattered & is_consistent & light.pdf.gt(zero) & !c.max_channel().le(zero);
-        if !is_used.any() {
-            return;
-        }
-        let side = L::select(outwards.gt(zero), L::one(), -L::one());
-        // A connection across the surface starts in the medium beyond it.
-        let is_across = (outwards * wo.dot(at.ng)).lt(zero);
-        let extinction = Rgb::select(is_across, beyond.sigma_a + beyond.sigma_s, here.sigma_a + here.sigma_s);
-        for i in 0..L::WIDTH {
-            if !is_used.lane(i) {
-                continue;
-            }
-            let contribution = lane_of(c, i);
-            if !self.stats.accepts(contribution) {
-                continue;
-            }
-            let direction = lane_vector(light.direction, i);
-            let origin = leave(lane_vector(at.position, i), lane_vector(at.ng, i) * side.lane(i));
-            let excluded = self.paths.hits[id[i]].triangle;
-            self.shadows.rays.push(Ray { excluded, ..Ray::new(origin, direction) });
-            self.shadows.contributions.push(contribution);
-            self.shadows.targets.push(id[i] as u32);
-            self.shadows.sigmas.push(lane_of(extinction, i));
-        }
-    }
-
-    /// One scattered direction, and roulette.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "values that stay in registers")]
     fn scatter<L: Lanes>(
         &mut self,
-        bsdf: &Bsdf<'_, L>,
-        frame: &Frame<L>,
-        at: &Point<L>,
-        wo: V3<L>,
+        here: &Encounter<'_, L>,
+        side: Side,
         roulette: L,
         u: [L; 4],
-        is_scattered: L::Mask,
         is_dispersing: L::Mask,
-        id: &[usize; MAX_LANES],
         go: &mut Continuation<L>,
     ) {
         let zero = L::zero();
-        let sample = bsdf.sample(u);
+        let &Encounter { bsdf, frame, at, wo, is_scattered, id, .. } = here;
+        let sample = bsdf.sample_side(u, side);
         let wi = frame.world(sample.wi).normalize();
         let is_same_side = (wi.dot(at.ng) * wo.dot(at.ng)).gt(zero);
         let is_consistent = (is_same_side & !sample.is_transmission) | (!is_same_side & sample.is_transmission);
@@ -260,6 +218,7 @@ impl Shade<'_> {
         let is_scattering = sigma_s.max_channel().gt(L::zero());
         let outwards = go.direction.dot(at.ng);
         let side = L::select(outwards.gt(L::zero()), L::one(), -L::one());
+        let is_resampled = self.is_resampled();
         for (i, &id) in id.iter().enumerate() {
             if !go.is_alive.lane(i) {
                 continue;
@@ -282,6 +241,8 @@ impl Shade<'_> {
             }
             self.paths.is_from_receiver[id] &= !is_scattering.lane(i);
             if !is_passed.lane(i) {
+                // What candidates have stood for the path must not find once more.
+                self.paths.is_lit[id] = is_resampled && go.pdf.lane(i) > 0.0;
                 self.paths.is_cold[id] = self.surface.role == Role::Caster;
             }
             self.paths.is_cold[id] &= self.paths.is_from_receiver[id];
@@ -298,12 +259,31 @@ impl Shade<'_> {
 
 /// Coefficients of a body, 1/normalised unit; zeros outside.
 #[derive(Clone, Copy)]
-struct Medium<L: Lanes> {
-    sigma_a: Rgb<L>,
-    sigma_s: Rgb<L>,
+pub(super) struct Medium<L: Lanes> {
+    /// Absorption.
+    pub sigma_a: Rgb<L>,
+    /// Scattering.
+    pub sigma_s: Rgb<L>,
+}
+
+/// Paths of a group at their surface, about to be connected and scattered.
+pub(super) struct Encounter<'a, L: Lanes> {
+    pub bsdf: &'a Bsdf<'a, L>,
+    pub frame: &'a Frame<L>,
+    pub at: &'a Point<L>,
+    /// To where the paths came from.
+    pub wo: V3<L>,
+    pub throughput: Rgb<L>,
+    /// What the paths are in, and what is behind the surface.
+    pub media: [Medium<L>; 2],
+    pub is_scattered: L::Mask,
+    pub id: &'a [usize; MAX_LANES],
+    pub seeds: &'a Words,
+    pub indices: &'a Words,
 }
 
 /// How the paths of a group go on.
+#[derive(Clone, Copy)]
 struct Continuation<L: Lanes> {
     direction: V3<L>,
     throughput: Rgb<L>,
