@@ -6,6 +6,7 @@
 pub mod bsdf;
 pub mod bvh;
 pub mod lanes;
+pub mod metrics;
 pub mod path;
 pub mod preview;
 pub mod scene;

@@ -5,7 +5,7 @@
 use super::material_argument::LoadedMaterial;
 use super::progress_line::ProgressLine;
 use super::scene_options::{LoadedScene, SceneOptions, positive};
-use super::{CliError, Messages, Outcome, interrupt, print_out};
+use super::{CliError, Messages, Outcome, interrupt, print_out, target};
 use crate::export::{self, Format, Layer, LayerKind, Picture};
 use burnish_material::{LOBES, Lobe, LobeSet, Material, MaterialFile, Property, TextureRef};
 use burnish_renderer::path::{self, ErrorEstimate, Film, Prepared, Progress, Settings, StopReason, StopRules};
@@ -155,18 +155,7 @@ fn refuse_target(path: &Path) -> Result<(), CliError> {
     if Format::of(path).is_none() {
         return Err(CliError::unusable(export::ExportError::UnknownFormat { path: path.to_path_buf() }));
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(CliError::unusable(format!(
-            "--out: {}: expected a folder that exists: {}",
-            path.display(),
-            folder.display()
-        )));
-    }
-    if path.is_dir() {
-        return Err(CliError::unusable(format!("--out: {}: expected a file, found a folder", path.display())));
-    }
-    Ok(())
+    target::refuse_target("--out", path)
 }
 
 fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Messages) -> Result<Rendered, CliError> {
@@ -419,7 +408,7 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
 }
 
 /// `error 1.9 % (±0.2)`: the square root of relMSE, with half the width of its interval.
-fn error_text(error: &ErrorEstimate) -> String {
+pub fn error_text(error: &ErrorEstimate) -> String {
     let percent = |relmse: f64| 100.0 * relmse.max(0.0).sqrt();
     let half_width = 0.5 * (percent(error.high) - percent(error.low));
     let fireflies = if error.is_firefly_limited { ", mostly few bright pixels" } else { "" };
@@ -432,7 +421,7 @@ fn progress_text(progress: &Progress<'_>) -> String {
 }
 
 /// Most memory this process has held, where the system tells (Linux).
-fn peak_memory_bytes() -> Option<u64> {
+pub fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
@@ -447,7 +436,8 @@ fn view(word: &str) -> Result<View, String> {
     }
 }
 
-fn transform(word: &str) -> Result<DisplayTransform, String> {
+/// A display transform, for options.
+pub fn transform(word: &str) -> Result<DisplayTransform, String> {
     DisplayTransform::from_word(word).ok_or_else(|| "expected neutral, agx, aces or standard".to_owned())
 }
 
@@ -457,7 +447,7 @@ fn layer(word: &str) -> Result<LayerKind, String> {
 }
 
 /// A relMSE as a number, or as the percentage whose square it is.
-fn relmse(text: &str) -> Result<f64, String> {
+pub fn relmse(text: &str) -> Result<f64, String> {
     let read = match text.trim().strip_suffix('%') {
         Some(percent) => positive(percent).map(|percent| (percent / 100.0).powi(2)),
         None => positive(text),
