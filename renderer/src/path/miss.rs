@@ -26,7 +26,7 @@ impl Kernel for Miss<'_> {
             let id = per_lane(0usize, |i| ids[if i < ids.len() { i } else { 0 }] as usize);
             let [x, y, z] = load::<L>(&paths.direction, &id);
             let (radiance, light_pdf) = prepared.light.eval(V3::new(x, y, z));
-            let pdf = L::from_fn(|i| paths.pdf[id[i]]);
+            let pdf = L::gather_at(&paths.pdf, &id);
             // Density 0: a camera ray or a delta lobe, which light sampling cannot replace.
             let weight = L::select(pdf.gt(L::zero()), pdf / (pdf + light_pdf).max(L::of(1e-30)), L::one());
             // Nothing arrives through an absorbing medium without end.
