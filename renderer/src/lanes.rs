@@ -1,11 +1,24 @@
 //! Numbers with one or many lanes behind one interface, so that a lobe is written once.
 //!
-//! `f32` is the readable reference and the twin of the WGSL, `f64` the double-precision check, [`Wide`] what the path
-//! tracer runs. All lane operations are plain IEEE operations in a fixed order and nothing is contracted, so every width and every
-//! instruction set gives the same bits. The only file with `unsafe`: calling a function compiled for more instructions.
+//! `f32` is the readable reference and the twin of the WGSL, `f64` the double-precision check, [`Wide`] and its twin for AVX-512 what
+//! the path tracer runs. All lane operations are plain IEEE operations in a fixed order and nothing is contracted, so every width and
+//! every instruction set gives the same bits. The only place with `unsafe`: calling a function compiled for more instructions, and
+//! the instructions themselves.
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub};
+
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod elementary;
+#[cfg(test)]
+mod tests;
+mod wide;
+
+pub use wide::{Wide, WideMask};
+
+/// The widest number of lanes that a stage runs with.
+pub const MAX_LANES: usize = 16;
 
 /// One truth value per lane.
 pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
@@ -19,6 +32,10 @@ pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + No
     fn lane(self, i: usize) -> bool;
     /// A mask made lane by lane.
     fn from_fn(f: impl FnMut(usize) -> bool) -> Self;
+    /// Lane `i` is bit `i`; bits beyond the lanes are 0.
+    fn bits(self) -> u32;
+    /// The mask with these bits; those beyond the lanes are ignored.
+    fn from_bits(bits: u32) -> Self;
 }
 
 /// A real number per lane.
@@ -45,14 +62,22 @@ pub trait Lanes:
 
     /// A constant in every lane.
     fn of(x: f64) -> Self;
+    /// A single-precision number in every lane.
+    fn splat(x: f32) -> Self;
     /// Lanes from single-precision numbers.
     fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
+    /// The first numbers of an array.
+    fn from_array(x: &[f32; MAX_LANES]) -> Self;
+    /// All lanes in single precision, zeros behind them.
+    fn to_array(self) -> [f32; MAX_LANES];
     /// One lane in single precision.
     fn lane(self, i: usize) -> f32;
     /// Applies a function to every lane.
     fn map(self, f: impl Fn(f64) -> f64) -> Self;
     /// Reads `table[index]` per lane; the index is a whole number, clamped into the table.
     fn gather(table: &[f32], index: Self) -> Self;
+    /// Reads `table[index[i]]` in lane `i`; indices are clamped into the table, and an empty one gives zeros.
+    fn gather_at(table: &[f32], index: &[usize; MAX_LANES]) -> Self;
     /// Square root; negative arguments count as 0.
     fn sqrt(self) -> Self;
     /// Magnitude.
@@ -67,6 +92,16 @@ pub trait Lanes:
     fn ln(self) -> Self;
     /// Sine and cosine, radians.
     fn sin_cos(self) -> (Self, Self);
+    /// `self` if it is smaller, else `other`: so `other` if one is NaN.
+    fn lesser(self, other: Self) -> Self;
+    /// `self` if it is larger, else `other`: so `other` if one is NaN.
+    fn greater(self, other: Self) -> Self;
+    /// The least lane in single precision. None may be NaN.
+    fn least_lane(self) -> f32;
+    /// 2 to the power of a whole number in `[-126, 127]`.
+    fn exp2_whole(self) -> Self;
+    /// `(m, e)` with `self == m 2^e`, `e` whole and `m` in `[sqrt(1/2), sqrt(2))`, for normal positive numbers.
+    fn split_binary(self) -> (Self, Self);
     /// The smaller; the other one if one is NaN.
     fn min(self, other: Self) -> Self;
     /// The larger; the other one if one is NaN.
@@ -113,7 +148,7 @@ pub trait Lanes:
 }
 
 macro_rules! scalar_lanes {
-    ($t:ty, $alpha_min:expr) => {
+    ($t:ty, $alpha_min:expr, { $($own:item)* }) => {
         impl Lanes for $t {
             type Mask = bool;
             const WIDTH: usize = 1;
@@ -123,8 +158,22 @@ macro_rules! scalar_lanes {
                 x as Self
             }
             #[inline(always)]
+            fn splat(x: f32) -> Self {
+                Self::from(x)
+            }
+            #[inline(always)]
             fn from_fn(mut f: impl FnMut(usize) -> f32) -> Self {
                 Self::from(f(0))
+            }
+            #[inline(always)]
+            fn from_array(x: &[f32; MAX_LANES]) -> Self {
+                Self::from(x[0])
+            }
+            #[inline(always)]
+            fn to_array(self) -> [f32; MAX_LANES] {
+                let mut x = [0.0; MAX_LANES];
+                x[0] = self as f32;
+                x
             }
             #[inline(always)]
             fn lane(self, _: usize) -> f32 {
@@ -140,8 +189,12 @@ macro_rules! scalar_lanes {
                 Self::from(table[(index as usize).min(last)])
             }
             #[inline(always)]
+            fn gather_at(table: &[f32], index: &[usize; MAX_LANES]) -> Self {
+                table.get(index[0]).or(table.last()).map_or(0.0, |x| Self::from(*x))
+            }
+            #[inline(always)]
             fn sqrt(self) -> Self {
-                Self::sqrt(self.max(0.0))
+                Self::sqrt(if self > 0.0 { self } else { 0.0 })
             }
             #[inline(always)]
             fn abs(self) -> Self {
@@ -152,21 +205,18 @@ macro_rules! scalar_lanes {
                 Self::floor(self)
             }
             #[inline(always)]
-            fn exp(self) -> Self {
-                Self::exp(self)
+            fn lesser(self, other: Self) -> Self {
+                if self < other { self } else { other }
             }
             #[inline(always)]
-            fn exp_m1(self) -> Self {
-                Self::exp_m1(self)
+            fn greater(self, other: Self) -> Self {
+                if self > other { self } else { other }
             }
             #[inline(always)]
-            fn ln(self) -> Self {
-                Self::ln(self)
+            fn least_lane(self) -> f32 {
+                self as f32
             }
-            #[inline(always)]
-            fn sin_cos(self) -> (Self, Self) {
-                Self::sin_cos(self)
-            }
+            $($own)*
             #[inline(always)]
             fn min(self, other: Self) -> Self {
                 Self::min(self, other)
@@ -199,8 +249,59 @@ macro_rules! scalar_lanes {
     };
 }
 
-scalar_lanes!(f32, 1e-4);
-scalar_lanes!(f64, 1e-4);
+scalar_lanes!(f32, 1e-4, {
+    #[inline(always)]
+    fn exp2_whole(self) -> Self {
+        elementary::exp2_whole(self)
+    }
+    #[inline(always)]
+    fn split_binary(self) -> (Self, Self) {
+        elementary::split_binary(self)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        elementary::exp(self)
+    }
+    #[inline(always)]
+    fn exp_m1(self) -> Self {
+        elementary::exp_m1(self)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        elementary::ln(self)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        elementary::sin_cos(self)
+    }
+});
+scalar_lanes!(f64, 1e-4, {
+    #[inline(always)]
+    fn exp2_whole(self) -> Self {
+        self.exp2()
+    }
+    #[inline(always)]
+    fn split_binary(self) -> (Self, Self) {
+        let exponent = (self.log2() + 0.5).floor();
+        (self / exponent.exp2(), exponent)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        Self::exp(self)
+    }
+    #[inline(always)]
+    fn exp_m1(self) -> Self {
+        Self::exp_m1(self)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        Self::ln(self)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        Self::sin_cos(self)
+    }
+});
 
 impl Mask for bool {
     #[inline(always)]
@@ -223,189 +324,13 @@ impl Mask for bool {
     fn from_fn(mut f: impl FnMut(usize) -> bool) -> Self {
         f(0)
     }
-}
-
-/// `N` single-precision lanes.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(32))]
-pub struct Wide<const N: usize>(pub [f32; N]);
-
-/// `N` truth values, held as all-ones or zero words so that selects become bit operations.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(32))]
-pub struct WideMask<const N: usize>([u32; N]);
-
-#[inline(always)]
-fn each<const N: usize, T>(f: impl FnMut(usize) -> T) -> [T; N] {
-    std::array::from_fn(f)
-}
-
-macro_rules! wide_operator {
-    ($trait:ident, $method:ident, $op:tt) => {
-        impl<const N: usize> $trait for Wide<N> {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                Self(each(|i| self.0[i] $op other.0[i]))
-            }
-        }
-    };
-}
-wide_operator!(Add, add, +);
-wide_operator!(Sub, sub, -);
-wide_operator!(Mul, mul, *);
-wide_operator!(Div, div, /);
-
-impl<const N: usize> Neg for Wide<N> {
-    type Output = Self;
     #[inline(always)]
-    fn neg(self) -> Self {
-        Self(each(|i| -self.0[i]))
-    }
-}
-impl<const N: usize> AddAssign for Wide<N> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-impl<const N: usize> MulAssign for Wide<N> {
-    #[inline(always)]
-    fn mul_assign(&mut self, other: Self) {
-        *self = *self * other;
-    }
-}
-impl<const N: usize> BitAnd for WideMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(each(|i| self.0[i] & other.0[i]))
-    }
-}
-impl<const N: usize> BitOr for WideMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(each(|i| self.0[i] | other.0[i]))
-    }
-}
-impl<const N: usize> Not for WideMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(each(|i| !self.0[i]))
-    }
-}
-
-#[inline(always)]
-fn word(x: bool) -> u32 {
-    if x { u32::MAX } else { 0 }
-}
-
-impl<const N: usize> Mask for WideMask<N> {
-    #[inline(always)]
-    fn splat(x: bool) -> Self {
-        Self([word(x); N])
+    fn bits(self) -> u32 {
+        u32::from(self)
     }
     #[inline(always)]
-    fn any(self) -> bool {
-        self.0.iter().fold(0, |a, b| a | b) != 0
-    }
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.0.iter().fold(u32::MAX, |a, b| a & b) != 0
-    }
-    #[inline(always)]
-    fn lane(self, i: usize) -> bool {
-        self.0[i] != 0
-    }
-    #[inline(always)]
-    fn from_fn(mut f: impl FnMut(usize) -> bool) -> Self {
-        Self(each(|i| word(f(i))))
-    }
-}
-
-impl<const N: usize> Lanes for Wide<N> {
-    type Mask = WideMask<N>;
-    const WIDTH: usize = N;
-    const ALPHA_MIN: f64 = <f32 as Lanes>::ALPHA_MIN;
-    #[inline(always)]
-    fn of(x: f64) -> Self {
-        Self([x as f32; N])
-    }
-    #[inline(always)]
-    fn from_fn(f: impl FnMut(usize) -> f32) -> Self {
-        Self(each(f))
-    }
-    #[inline(always)]
-    fn lane(self, i: usize) -> f32 {
-        self.0[i]
-    }
-    #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self(each(|i| f(f64::from(self.0[i])) as f32))
-    }
-    #[inline(always)]
-    fn gather(table: &[f32], index: Self) -> Self {
-        let last = table.len() - 1;
-        Self(each(|i| table[(index.0[i] as usize).min(last)]))
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(each(|i| self.0[i].max(0.0).sqrt()))
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(each(|i| self.0[i].abs()))
-    }
-    #[inline(always)]
-    fn floor(self) -> Self {
-        Self(each(|i| self.0[i].floor()))
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        Self(each(|i| self.0[i].exp()))
-    }
-    #[inline(always)]
-    fn exp_m1(self) -> Self {
-        Self(each(|i| self.0[i].exp_m1()))
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        Self(each(|i| self.0[i].ln()))
-    }
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        let both: [(f32, f32); N] = each(|i| self.0[i].sin_cos());
-        (Self(each(|i| both[i].0)), Self(each(|i| both[i].1)))
-    }
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        Self(each(|i| self.0[i].min(other.0[i])))
-    }
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        Self(each(|i| self.0[i].max(other.0[i])))
-    }
-    #[inline(always)]
-    fn lt(self, other: Self) -> WideMask<N> {
-        WideMask(each(|i| word(self.0[i] < other.0[i])))
-    }
-    #[inline(always)]
-    fn le(self, other: Self) -> WideMask<N> {
-        WideMask(each(|i| word(self.0[i] <= other.0[i])))
-    }
-    #[inline(always)]
-    fn eq(self, other: Self) -> WideMask<N> {
-        WideMask(each(|i| word(self.0[i] == other.0[i])))
-    }
-    #[inline(always)]
-    fn select(mask: WideMask<N>, a: Self, b: Self) -> Self {
-        Self(each(|i| f32::from_bits((a.0[i].to_bits() & mask.0[i]) | (b.0[i].to_bits() & !mask.0[i]))))
-    }
-    #[inline(always)]
-    fn is_finite(self) -> WideMask<N> {
-        WideMask(each(|i| word(self.0[i].is_finite())))
+    fn from_bits(bits: u32) -> Self {
+        bits & 1 == 1
     }
 }
 
@@ -422,7 +347,7 @@ pub trait Kernel {
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") && is_x86_feature_detected!("avx512vl") {
+        if avx512::is_there() {
             // SAFETY: the processor has just been found to offer these instructions.
             #[expect(unsafe_code, reason = "calls a function compiled for instructions that were detected")]
             return unsafe { run_avx512(kernel) };
@@ -439,7 +364,7 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2")]
 fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<Wide<16>>()
+    kernel.run::<avx512::V16>()
 }
 
 #[cfg(target_arch = "x86_64")]

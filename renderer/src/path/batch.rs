@@ -1,7 +1,7 @@
 //! State of the paths in flight on one thread: one array per number, one entry per path, reused from batch to batch.
 
 use super::sampler::mix;
-use crate::bvh::{Hit, NONE, Ray};
+use crate::bvh::{Hit, NONE, Order, Ray};
 
 /// Paths in flight per thread. Their state stays in the second-level cache, and lists by material are long enough to fill lanes.
 pub(super) const BATCH: usize = 4096;
@@ -146,6 +146,8 @@ pub(super) struct Shadows {
     pub targets: Vec<u32>,
     /// Whether the way is blocked.
     pub blocked: Vec<bool>,
+    /// Memory to sort them in.
+    pub order: Order,
 }
 
 impl Shadows {
@@ -173,10 +175,10 @@ pub(super) struct Batch {
     pub missed: Vec<u32>,
     /// Light connections of this depth.
     pub shadows: Shadows,
-    /// Rays in the order in which they are traced.
+    /// Rays of the active paths.
     pub rays: Vec<Ray>,
-    /// Their paths.
-    pub order: Vec<u32>,
+    /// Memory to sort them in.
+    pub order: Order,
     /// Their hits.
     pub hits: Vec<Hit>,
     /// Sums of one tile, per pixel and replicate.

@@ -1,7 +1,7 @@
 //! Local frames at hits: interpolated attributes, texture coordinates across a triangle, and normals bent so that the viewer is on the
 //! right side.
 
-use super::geometry::Geometry;
+use super::geometry::{Geometry, Vertex};
 use super::sampler::MAX_LANES;
 use crate::bvh::Hit;
 use crate::lanes::{Lanes, Mask};
@@ -72,24 +72,26 @@ impl<L: Lanes> Frame<L> {
 /// Attributes at the hits. Tangents and texture coordinates are read only where asked for.
 #[inline(always)]
 pub(super) fn point<L: Lanes>(geometry: &Geometry, hits: &[Hit; MAX_LANES], needs_tangent: bool, needs_uv: bool) -> Point<L> {
+    // Places of the corners and of the triangles in the flat tables.
     let mut corners = [[0usize; MAX_LANES]; 3];
     let mut triangle = [0usize; MAX_LANES];
     for i in 0..L::WIDTH {
-        triangle[i] = hits[i].triangle as usize;
-        let t = &geometry.triangles[triangle[i]];
+        triangle[i] = hits[i].triangle as usize * 3;
+        let t = &geometry.triangles[hits[i].triangle as usize];
         for c in 0..3 {
-            corners[c][i] = t[c] as usize;
+            corners[c][i] = t[c] as usize * size_of::<Vertex>() / size_of::<f32>();
         }
     }
     let u = L::from_fn(|i| hits[i].u);
     let v = L::from_fn(|i| hits[i].v);
     let w = L::one() - u - v;
+    let (vertices, normals) = (geometry.vertices.as_flattened(), geometry.normals.as_flattened());
     let attribute = |k: usize| {
-        let at = |c: usize| L::from_fn(|i| geometry.vertices[corners[c][i]][k]);
+        let at = |c: usize| L::gather_at(&vertices[k..], &corners[c]);
         at(0) * w + at(1) * u + at(2) * v
     };
     let vector = |k: usize| V3::new(attribute(k), attribute(k + 1), attribute(k + 2));
-    let normal = |k: usize| L::from_fn(|i| geometry.normals[triangle[i]][k]);
+    let normal = |k: usize| L::gather_at(&normals[k..], &triangle);
     let ng = V3::new(normal(0), normal(1), normal(2));
     let n = vector(3);
     let n = V3::select(n.length_squared().lt(L::of(1e-12)), ng, n.normalize());

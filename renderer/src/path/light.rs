@@ -13,7 +13,7 @@
 
 use super::distribution::Distribution;
 use crate::bsdf::interpret::EMISSION_MAX;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, MAX_LANES};
 use crate::scene::EnvironmentLight;
 use crate::vector::{Rgb, V3};
 use burnish_assets::Environment;
@@ -273,24 +273,24 @@ impl Light {
         let x0 = x.floor().min(L::of((width - 1) as f64));
         let y0 = y.floor();
         let (fx, fy) = (x - x0, y - y0);
-        let mut taps = [[[0.0f32; super::sampler::MAX_LANES]; 3]; 4];
+        // Places of the four texels; they lie in the table for lanes that hold a direction.
+        let mut taps = [[0usize; MAX_LANES]; 4];
+        let (columns, rows) = (x0.to_array(), y0.to_array());
         for lane in 0..L::WIDTH {
-            let (i, j) = (x0.lane(lane) as usize, y0.lane(lane) as usize);
+            let (i, j) = (columns[lane] as usize, rows[lane] as usize);
             let upper = j * (width + 1) + i;
             let lower = (j + 1).min(height - 1) * (width + 1) + i;
-            for (tap, at) in [upper, upper + 1, lower, lower + 1].into_iter().enumerate() {
-                // Out of range only for lanes that hold no direction.
-                let texel = self.tables.texels.get(at).copied().unwrap_or_default();
-                for k in 0..3 {
-                    taps[tap][k][lane] = texel[k];
-                }
+            for (tap, at) in taps.iter_mut().zip([upper, upper + 1, lower, lower + 1]) {
+                tap[lane] = 4 * at;
             }
         }
+        let texels = self.tables.texels.as_flattened();
         let scale = L::of(f64::from(self.scale));
-        Rgb(std::array::from_fn(|k| {
-            let tap = |t: usize| L::from_fn(|lane| taps[t][k][lane]);
+        let channel = |k: usize| {
+            let tap = |t: usize| L::gather_at(&texels[k..], &taps[t]);
             (tap(0).lerp(tap(1), fx).lerp(tap(2).lerp(tap(3), fx), fy) * scale).min(L::of(EMISSION_MAX))
-        }))
+        };
+        Rgb([channel(0), channel(1), channel(2)])
     }
 }
 

@@ -45,7 +45,7 @@ fn glass(roughness: f64) -> Arc<Material> {
 
 fn coated(base: &Arc<Material>, roughness: f64) -> Arc<Material> {
     let mut material = (**base).clone();
-    material.set(Property::coat_opacity, Value::Float(1.0));
+    material.set(Property::coat, Value::Float(1.0));
     material.set(Property::coat_roughness, Value::Float(roughness));
     material.set(Property::coat_color, Value::Color([0.9, 0.5, 0.4]));
     Arc::new(material)
@@ -140,7 +140,7 @@ fn candidates_bring_what_one_direction_brings() {
         ("metal", metal(0.5)),
         ("brushed", {
             let mut material = (*metal(0.3)).clone();
-            material.set(Property::anisotropy_level, Value::Float(0.8));
+            material.set(Property::anisotropy, Value::Float(0.8));
             Arc::new(material)
         }),
         ("coated metal", coated(&metal(0.5), 0.0)),

@@ -30,7 +30,7 @@ impl Kernel for Miss<'_> {
                 let is_cold = <L::Mask as Mask>::from_fn(|i| paths.is_cold[id[i]]);
                 radiance = Rgb::select(is_cold, prepared.light.cold(radiance), radiance);
             }
-            let pdf = L::from_fn(|i| paths.pdf[id[i]]);
+            let pdf = L::gather_at(&paths.pdf, &id);
             // Density 0: a camera ray or a delta lobe, which light sampling cannot replace.
             let weight = L::select(pdf.gt(L::zero()), pdf / (pdf + light_pdf).max(L::of(1e-30)), L::one());
             let is_lit = <L::Mask as Mask>::from_fn(|i| paths.is_lit[id[i]]);

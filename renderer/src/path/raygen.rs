@@ -94,37 +94,37 @@ impl Kernel for Raygen<'_> {
                 corner[1][lane] = y as f32;
             }
             let u = draw::<L>(Group::Pixel, 0, &seeds, &indices);
-            let x = (L::from_fn(|i| corner[0][i]) + u[0]) * L::of(2.0 / view.width as f64) - L::one();
-            let y = L::one() - (L::from_fn(|i| corner[1][i]) + u[1]) * L::of(2.0 / view.height as f64);
+            let x = (L::from_array(&corner[0]) + u[0]) * L::of(2.0 / view.width as f64) - L::one();
+            let y = L::one() - (L::from_array(&corner[1]) + u[1]) * L::of(2.0 / view.height as f64);
             let direction = (forward + right.scale(x) + up.scale(y)).normalize();
-            for lane in 0..live {
-                let path = start + lane;
-                let d = [direction.x.lane(lane), direction.y.lane(lane), direction.z.lane(lane)];
-                let o = view.basis.origin.to_array();
-                for k in 0..3 {
-                    paths.origin[k][path] = o[k];
-                    paths.direction[k][path] = d[k];
-                    paths.throughput[k][path] = 1.0;
-                    paths.radiance[k][path] = 0.0;
-                    paths.sigma_a[k][path] = medium.sigma_a[k];
-                    paths.sigma_s[k][path] = medium.sigma_s[k];
+            let place = start..start + live;
+            let store = |column: &mut [f32], x: L| column[place.clone()].copy_from_slice(&x.to_array()[..live]);
+            let origin = view.basis.origin.to_array();
+            for (k, d) in [direction.x, direction.y, direction.z].into_iter().enumerate() {
+                store(&mut paths.direction[k], d);
+                paths.origin[k][place.clone()].fill(origin[k]);
+                paths.throughput[k][place.clone()].fill(1.0);
+                paths.radiance[k][place.clone()].fill(0.0);
+                paths.sigma_a[k][place.clone()].fill(medium.sigma_a[k]);
+                paths.sigma_s[k][place.clone()].fill(medium.sigma_s[k]);
+            }
+            if prepared.has_dispersion {
+                let u = u[2].to_array();
+                for (wavelength, u) in paths.wavelength[place.clone()].iter_mut().zip(u) {
+                    *wavelength = spectrum().wavelength(f64::from(u)) as f32;
                 }
-                if prepared.has_dispersion {
-                    paths.wavelength[path] = spectrum().wavelength(f64::from(u[2].lane(lane))) as f32;
-                }
-                paths.is_dispersed[path] = false;
-                paths.body[path] = medium.object;
-                paths.pdf[path] = 0.0;
-                paths.cone_width[path] = 0.0;
-                paths.cone_spread[path] = spread;
-                paths.bounces[path] = 0;
-                paths.excluded[path] = NONE;
-                paths.seeds[path] = seeds[lane];
-                paths.indices[path] = indices[lane];
-                paths.is_covered[path] = false;
-                paths.is_from_receiver[path] = false;
-                paths.is_cold[path] = false;
-                paths.is_lit[path] = false;
+            }
+            paths.is_dispersed[place.clone()].fill(false);
+            paths.body[place.clone()].fill(medium.object);
+            paths.pdf[place.clone()].fill(0.0);
+            paths.cone_width[place.clone()].fill(0.0);
+            paths.cone_spread[place.clone()].fill(spread);
+            paths.bounces[place.clone()].fill(0);
+            paths.excluded[place.clone()].fill(NONE);
+            paths.seeds[place.clone()].copy_from_slice(&seeds[..live]);
+            paths.indices[place.clone()].copy_from_slice(&indices[..live]);
+            for column in [&mut paths.is_covered, &mut paths.is_from_receiver, &mut paths.is_cold, &mut paths.is_lit] {
+                column[place.clone()].fill(false);
             }
             start += L::WIDTH;
         }

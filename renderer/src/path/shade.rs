@@ -356,7 +356,7 @@ pub(super) fn leave(p: Vec3, n: Vec3) -> Vec3 {
 /// Three numbers of each path.
 #[inline(always)]
 pub(super) fn load<L: Lanes>(triple: &Triples, id: &[usize; MAX_LANES]) -> [L; 3] {
-    [0, 1, 2].map(|k| L::from_fn(|i| triple[k][id[i]]))
+    [L::gather_at(&triple[0], id), L::gather_at(&triple[1], id), L::gather_at(&triple[2], id)]
 }
 
 #[inline(always)]

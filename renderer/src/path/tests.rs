@@ -252,7 +252,7 @@ fn one_lane_shades_as_many_do() {
     let (one, wide) = (run(false), run(true));
     assert!(!one.next.is_empty() && !one.shadows.rays.is_empty());
     assert_eq!(one.next, wide.next);
-    assert_eq!(one.shadows.paths, wide.shadows.paths);
+    assert_eq!(one.shadows.targets, wide.shadows.targets);
     for (a, b) in one.shadows.contributions.iter().flatten().zip(wide.shadows.contributions.iter().flatten()) {
         assert!((a - b).abs() <= 1e-5 * b.abs(), "{a} {b}");
     }

@@ -14,15 +14,14 @@ pub(super) const PASS_LIMIT: u32 = 128;
 pub(super) fn trace(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: &mut PassStats) {
     let Batch { paths, active, lists, missed, rays, order, hits, .. } = batch;
     let at = |triple: &super::batch::Triples, i: usize| Vec3::new(triple[0][i], triple[1][i], triple[2][i]);
-    order_by_direction(active, &paths.direction, order);
     rays.clear();
-    rays.extend(order.iter().map(|&i| {
+    rays.extend(active.iter().map(|&i| {
         let i = i as usize;
         Ray { excluded: paths.excluded[i], ..Ray::new(at(&paths.origin, i), at(&paths.direction, i)) }
     }));
     hits.resize(rays.len(), Hit::MISS);
-    prepared.geometry.bvh.trace(rays, hits);
-    for (&i, hit) in order.iter().zip(hits.iter()) {
+    prepared.geometry.bvh.trace_ordered(rays, hits, order);
+    for (&i, hit) in active.iter().zip(hits.iter()) {
         paths.hits[i as usize] = *hit;
     }
     if prepared.has_scattering {
@@ -41,35 +40,13 @@ pub(super) fn trace(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: 
     }
 }
 
-/// Octants of the direction one after the other, each in the order of `active`: rays that follow each other then walk the same
-/// part of the tree in the same order.
-fn order_by_direction(active: &[u32], direction: &super::batch::Triples, order: &mut Vec<u32>) {
-    let key = |i: u32| {
-        let bit = |k: usize| usize::from(direction[k][i as usize].is_sign_negative()) << k;
-        bit(0) | bit(1) | bit(2)
-    };
-    let mut starts = [0usize; 9];
-    for &i in active {
-        starts[key(i) + 1] += 1;
-    }
-    for k in 0..8 {
-        starts[k + 1] += starts[k];
-    }
-    order.resize(active.len(), 0);
-    for &i in active {
-        let k = key(i);
-        order[starts[k]] = i;
-        starts[k] += 1;
-    }
-}
-
 /// Decides which light connections are free, and weakens those that run through cut-through surfaces.
 ///
 /// Opaque surfaces block, refracting ones too: what comes through them is found by the paths themselves.
 pub(super) fn trace_shadows(prepared: &Prepared, shadows: &mut Shadows) {
     shadows.blocked.resize(shadows.rays.len(), false);
     if !prepared.has_cut_through {
-        prepared.geometry.bvh.trace_any(&shadows.rays, &mut shadows.blocked);
+        prepared.geometry.bvh.trace_any_ordered(&shadows.rays, &mut shadows.blocked, &mut shadows.order);
         // Light from far away does not cross a body that goes on for ever.
         for (blocked, sigma) in shadows.blocked.iter_mut().zip(&shadows.sigmas) {
             *blocked |= sigma.iter().all(|s| *s > 0.0);
