@@ -9,8 +9,9 @@ pub(super) const EPSILON: f64 = 0.01;
 const REACH: usize = 2;
 /// Share of the noise that is taken away where denominators are smoothed.
 const SMOOTHING: f32 = 0.6;
-/// A pixel with this share of the error is judged on its own.
+/// A pixel with this share of the error is judged on its own, whereupon others may have that share of the rest.
 const OUTLIER: f64 = 0.03;
+const OUTLIER_ROUNDS: usize = 3;
 /// Half width of a 95 % interval in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
 /// Relative deviation that no estimate is free of: that of its denominators.
@@ -86,10 +87,14 @@ pub(super) fn estimate(film: &Film, threads: usize) -> ErrorEstimate {
             }
         });
     }
-    let total: f64 = pixels.iter().map(|terms| terms.cross).sum();
+    let mut limit = f64::INFINITY;
+    for _ in 0..OUTLIER_ROUNDS {
+        let of_others: f64 = pixels.iter().map(|terms| terms.cross).filter(|cross| *cross <= limit).sum();
+        limit = limit.min(OUTLIER * of_others);
+    }
     let (mut bulk, mut outliers) = (Terms::default(), Terms::default());
     for terms in &pixels {
-        let sums = if terms.cross > OUTLIER * total { &mut outliers } else { &mut bulk };
+        let sums = if terms.cross > limit { &mut outliers } else { &mut bulk };
         sums.plug_in += terms.plug_in;
         sums.cross += terms.cross;
         sums.scatter += terms.scatter;
@@ -99,16 +104,14 @@ pub(super) fn estimate(film: &Film, threads: usize) -> ErrorEstimate {
 
 /// The estimate from sums over many like pixels and over few unlike ones.
 fn bracket(bulk: &Terms, outliers: &Terms, scale: f64) -> ErrorEstimate {
-    let width = if bulk.plug_in > 0.0 && bulk.cross > 0.0 {
-        let disagreement = DISAGREEMENT * (bulk.cross / bulk.plug_in).ln();
-        let scatter = bulk.scatter.sqrt() / bulk.plug_in;
-        HALF_WIDTH * [DEVIATION_MIN, disagreement, scatter].map(|x| x * x).iter().sum::<f64>().sqrt()
-    } else {
-        0.0
-    };
+    let deviation = |sums: &Terms| if sums.plug_in > 0.0 { sums.scatter.sqrt() / sums.plug_in } else { 0.0 };
+    let is_known = bulk.plug_in > 0.0 && bulk.cross > 0.0;
+    let disagreement = if is_known { DISAGREEMENT * (bulk.cross / bulk.plug_in).ln() } else { 0.0 };
+    let width = HALF_WIDTH * [DEVIATION_MIN, disagreement, deviation(bulk)].map(|x| x * x).iter().sum::<f64>().sqrt();
     let (least, most) = (outliers.plug_in.min(outliers.cross), outliers.plug_in.max(outliers.cross));
-    let low = bulk.cross * (-width).exp() + least;
-    let high = bulk.cross * width.exp() + most;
+    let of_outliers = HALF_WIDTH * deviation(outliers);
+    let low = bulk.cross * (-width).exp() + least * (-of_outliers).exp();
+    let high = bulk.cross * width.exp() + most * (1.0 + of_outliers);
     ErrorEstimate {
         relmse: scale * (bulk.cross + (least * most).sqrt()),
         low: scale * low,

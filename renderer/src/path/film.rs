@@ -281,6 +281,31 @@ mod tests {
     }
 
     #[test]
+    fn the_interval_holds_an_error_of_fireflies() {
+        // Even light and one sample in ten thousand that is 400 times as bright: nearly all error is in about 26 of 4096 pixels.
+        let limit = 0.5 + 1e-4 * 200.0;
+        let mut inside = 0;
+        for seed in 0..20u32 {
+            let (mut film, mut truth) = (Film::new(64, 64), 0.0);
+            for (pixel, cell) in film.cells.iter_mut().enumerate() {
+                for i in 0..64u32 {
+                    let random = mix(mix(pixel as u32 ^ mix(seed + 77)) ^ mix(i + 1));
+                    let x = if random < 429_497 { 200.0 } else { 0.5 };
+                    cell.sums[i as usize % REPLICATES].iter_mut().for_each(|sum| *sum += x);
+                }
+                cell.count = 64;
+                let mean: f64 = cell.sums.iter().map(|sum| sum[0]).sum::<f64>() / 64.0;
+                truth += (mean - limit).powi(2) / (limit * limit + 0.01) / 4096.0;
+            }
+            let e = film.error().expect("every replicate has samples");
+            assert_eq!(film.error_by(3), Some(e));
+            inside += u32::from(e.low <= truth && truth <= e.high);
+            assert!(e.relmse < 3.0 * truth && truth < 3.0 * e.relmse, "{e:?} {truth}");
+        }
+        assert!(inside >= 18, "{inside} of 20");
+    }
+
+    #[test]
     fn uneven_replicates_are_weighed() {
         // 5 samples: 2, 1, 1, 1. With equal weights the estimate would be off by 7 %.
         let (mut sum, mut truth) = (0.0, 0.0);
