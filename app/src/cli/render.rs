@@ -371,6 +371,7 @@ fn job(arguments: &RenderArguments, loaded: &LoadedScene, rendered: &Rendered) -
         "view": if arguments.view == View::Final { "final" } else { "preview" },
         "seed": arguments.scene.seed,
         "spp": rendered.spp,
+        "adaptive": arguments.view == View::Final && !arguments.no_adaptive,
         "max_bounces": loaded.scene.max_bounces,
         "material": material,
     })
