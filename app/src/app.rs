@@ -320,7 +320,8 @@ impl App {
         }
         viewport::paint(ui, rect, &picture, is_both);
         if let Some(snapshot) = curve {
-            viewport::paint_chart(ui, rect, &snapshot.history, self.editor.view.stop.relmse);
+            let history: Vec<(f64, f64)> = snapshot.history.iter().map(|point| (point.seconds, point.relmse)).collect();
+            viewport::paint_chart(ui, rect, &history, self.editor.view.stop.relmse);
         }
     }
 

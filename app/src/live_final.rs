@@ -47,7 +47,7 @@ impl LiveFinal {
 
     /// Asks for a picture of this scene; the newest request wins.
     pub fn request(&mut self, scene: Arc<Scene>, (width, height): (usize, usize), view: &View) {
-        let settings = Settings { width, height, seed: 0, threads: self.threads, stop: view.stop };
+        let settings = Settings { width, height, seed: 0, threads: self.threads, stop: view.stop, is_adaptive: true };
         self.pending = Some((scene, settings));
     }
 

@@ -3,8 +3,8 @@
 //! A request shows a coarse picture first (some milliseconds), then finer ones, then passes at full resolution until a rule ends
 //! them; the finished picture stays until the next request. Trees and tables are kept from request to request.
 
-use crate::path::render::Plan;
-use crate::path::{ErrorEstimate, Film, PassStats, Prepared, Settings, StopReason, render_pass};
+use crate::path::render::Run;
+use crate::path::{ErrorEstimate, ErrorPoint, Film, PassStats, Prepared, Settings, StopReason, render_pass};
 use crate::scene::Scene;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -37,8 +37,8 @@ pub struct Snapshot {
     pub samples_per_second: f64,
     /// Why rendering ended; `None` while it goes on.
     pub done: Option<StopReason>,
-    /// Seconds and estimated error after each pass.
-    pub history: Vec<(f64, f64)>,
+    /// The estimates of the error so far.
+    pub history: Vec<ErrorPoint>,
     /// Contributions dropped because they were not finite or negative.
     pub nonfinite: u64,
     /// Seconds from the request being taken up to its first picture.
@@ -196,45 +196,35 @@ impl Job<'_> {
             self.publish(snapshot)?;
             scale /= 2;
         }
-        let mut film = Film::new(width, height);
-        let mut plan = Plan::new(self.settings.stop);
-        let mut total = PassStats::default();
-        let mut seconds = 0.0;
-        let mut history = Vec::new();
-        let mut error = None;
+        let settings = Settings { width, height, threads: self.shared.threads, ..self.settings };
+        let mut run = Run::new(self.prepared, settings);
         loop {
-            let next = plan.next(film.spp(), seconds, error.as_ref());
-            let Ok(step) = next else {
-                let rate = total.samples as f64 / f64::max(seconds, 1e-9);
-                let last = Snapshot {
-                    done: next.err(),
-                    error,
-                    history,
-                    first_image_seconds: first_image_seconds.unwrap_or_default(),
-                    ..self.snapshot(&film, &total, seconds, rate)
-                };
-                return self.publish(last);
+            let done = match run.step(&|| self.is_stale()) {
+                Ok(()) => None,
+                Err(StopReason::Cancelled) => return None,
+                Err(reason) => Some(reason),
             };
-            let begin = Instant::now();
-            total.add(&self.pass(&mut film, step)?);
-            seconds += begin.elapsed().as_secs_f64();
-            error = film.error();
-            history.extend(error.map(|e| (seconds, e.relmse)));
             let first = *first_image_seconds.get_or_insert_with(|| self.start.elapsed().as_secs_f64());
-            let rate = total.samples as f64 / seconds.max(1e-9);
             let snapshot = Snapshot {
-                error,
-                history: history.clone(),
+                error: run.error,
+                history: run.history.clone(),
                 first_image_seconds: first,
-                ..self.snapshot(&film, &total, seconds, rate)
+                done,
+                ..self.snapshot(&run.film, &run.stats, run.seconds, run.samples_per_second())
             };
             self.publish(snapshot)?;
+            if done.is_some() {
+                return Some(());
+            }
         }
     }
 
+    fn is_stale(&self) -> bool {
+        self.shared.is_stale(self.revision)
+    }
+
     fn pass(&self, film: &mut Film, spp: u32) -> Option<PassStats> {
-        let cancel = || self.shared.is_stale(self.revision);
-        render_pass(self.prepared, film, spp, self.settings.seed, self.shared.threads, &cancel)
+        render_pass(self.prepared, film, spp, self.settings.seed, self.shared.threads, &|| self.is_stale())
     }
 
     fn publish(&self, snapshot: Snapshot) -> Option<()> {
@@ -278,7 +268,14 @@ mod tests {
     }
 
     fn settings(spp: Option<u32>) -> Settings {
-        Settings { width: 200, height: 150, seed: 1, threads: 1, stop: StopRules { spp, ..StopRules::default() } }
+        Settings {
+            width: 200,
+            height: 150,
+            seed: 1,
+            threads: 1,
+            stop: StopRules { spp, ..StopRules::default() },
+            is_adaptive: false,
+        }
     }
 
     /// Waits for a snapshot; gives up after a minute.

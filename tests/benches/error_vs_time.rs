@@ -123,6 +123,7 @@ fn curve(name: &str, case: &Case, options: &Options) -> Result<Curve, Box<dyn Er
         seed: scene.seed,
         threads: scene.threads(),
         stop: StopRules { spp: options.spp_max, seconds: Some(options.seconds), relmse: None },
+        is_adaptive: true,
     };
     let source = ReferenceSource::Own(options.reference_spp);
     let curve = measure(name, &loaded.scene, &settings, source, Display::default(), &mut |_| true);

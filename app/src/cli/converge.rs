@@ -72,6 +72,7 @@ pub fn run(arguments: &ConvergeArguments) -> Result<Outcome, CliError> {
         seed: arguments.scene.seed,
         threads: arguments.scene.threads(),
         stop: StopRules { spp: arguments.spp_max, seconds, relmse: None },
+        is_adaptive: true,
     };
     let display = Display { exposure_ev: arguments.scene.exposure_ev(), transform: arguments.display_transform };
     let mut line = ProgressLine::new();

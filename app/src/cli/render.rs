@@ -47,6 +47,9 @@ pub struct RenderArguments {
     /// Stops when the estimated relMSE is below this; a percentage is its square root (2% = 0.0004)
     #[arg(long, value_name = "RELMSE", allow_hyphen_values = true, value_parser = relmse)]
     pub error: Option<f64>,
+    /// Gives every pixel the same number of samples
+    #[arg(long)]
+    no_adaptive: bool,
     /// Further layers: channels of an .exr, or files NAME.LAYER.png beside a .png
     #[arg(long, value_name = "albedo,normal,depth,variance,samples", value_delimiter = ',', value_parser = layer)]
     aov: Vec<LayerKind>,
@@ -170,6 +173,7 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         seed: arguments.scene.seed,
         threads: arguments.scene.threads(),
         stop: StopRules { spp, seconds: arguments.time, relmse: arguments.error },
+        is_adaptive: !arguments.no_adaptive,
     };
     let mut line = ProgressLine::new();
     let less = arguments.without.iter().fold(LobeSet::EMPTY, |set, lobe| set.with(*lobe));
@@ -198,7 +202,7 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
                 LayerKind::Normal => split(&surfaces.normal),
                 LayerKind::Depth => vec![surfaces.depth.clone()],
                 LayerKind::Variance => split(&film.variance()),
-                LayerKind::Samples => vec![vec![film.spp() as f32; loaded.width * loaded.height]],
+                LayerKind::Samples => vec![film.samples().into_iter().map(|count| count as f32).collect()],
             };
             layers.push(Layer { kind: *kind, planes });
         }
@@ -210,7 +214,7 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         first_image_seconds: rendering.first_image_seconds,
         load_seconds: rendering.load_seconds,
         stop_reason: rendering.stop_reason.word(),
-        error: film.error(),
+        error: rendering.error,
         nonfinite: rendering.nonfinite,
         lobes: lobes(&loaded.scene, LobeSet::of).minus(less),
     })
@@ -360,6 +364,7 @@ fn job(arguments: &RenderArguments, loaded: &LoadedScene, rendered: &Rendered) -
         "view": if arguments.view == View::Final { "final" } else { "preview" },
         "seed": arguments.scene.seed,
         "spp": rendered.spp,
+        "adaptive": arguments.view == View::Final && !arguments.no_adaptive,
         "max_bounces": loaded.scene.max_bounces,
         "material": material,
     })
@@ -394,6 +399,7 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
         "relmse_estimate": rendered.error.as_ref().map(|error| error.relmse),
         "relmse_low": rendered.error.as_ref().map(|error| error.low),
         "relmse_high": rendered.error.as_ref().map(|error| error.high),
+        "adaptive": arguments.view == View::Final && !arguments.no_adaptive,
         "is_firefly_limited": rendered.error.as_ref().map(|error| error.is_firefly_limited),
         "samples_per_second": samples / rendered.seconds.max(1e-9),
         "threads": arguments.scene.threads(),

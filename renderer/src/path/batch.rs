@@ -1,5 +1,7 @@
 //! State of the paths in flight on one thread: one array per number, one entry per path, reused from batch to batch.
 
+use super::film::Cell;
+use super::raygen::Place;
 use super::sampler::mix;
 use crate::bvh::{Hit, NONE, Order, Ray};
 
@@ -181,10 +183,10 @@ pub(super) struct Batch {
     pub order: Order,
     /// Their hits.
     pub hits: Vec<Hit>,
-    /// Sums of one tile, per pixel and replicate.
-    pub sums: Vec<[f64; 3]>,
-    /// Covered samples of one tile, per pixel.
-    pub covered: Vec<u32>,
+    /// What the pixels of the job hold.
+    pub cells: Vec<Cell>,
+    /// Where each path belongs.
+    pub places: Vec<Place>,
 }
 
 impl Batch {
