@@ -11,6 +11,7 @@ pub mod editor;
 pub mod export;
 pub mod files;
 pub mod history;
+pub mod live_denoise;
 pub mod live_final;
 pub mod live_preview;
 pub mod live_stability;

@@ -79,6 +79,13 @@ impl Film {
         self.sums.chunks(REPLICATES).map(sum).collect()
     }
 
+    /// Mean radiance of each replicate, per pixel. Zeros where a replicate holds no sample.
+    pub fn replicates(&self) -> Vec<[[f32; 3]; REPLICATES]> {
+        let counts = self.counts().map(|n| n.max(1.0));
+        let means = |r: &[[f64; 3]]| std::array::from_fn(|i| r[i].map(|sum| (sum / counts[i]) as f32));
+        self.sums.chunks(REPLICATES).map(means).collect()
+    }
+
     /// Share of samples that met a surface, `[0, 1]`.
     pub fn alpha(&self) -> Vec<f32> {
         let scale = 1.0 / self.spp.max(1) as f32;
