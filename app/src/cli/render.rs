@@ -103,6 +103,9 @@ struct DenoiseReport {
     error: ErrorEstimate,
 }
 
+/// Linear radiance without noise, and what is told about it.
+type DenoisedFilm = (Vec<[f32; 3]>, DenoiseReport);
+
 /// A picture and what is told about its making.
 struct Rendered {
     picture: Picture,
@@ -257,7 +260,7 @@ fn denoise_film(
     prepared: &Prepared,
     threads: usize,
     messages: &mut Messages,
-) -> Result<Option<(Vec<[f32; 3]>, DenoiseReport)>, CliError> {
+) -> Result<Option<DenoisedFilm>, CliError> {
     let Some(input) = denoise::Input::of(film) else {
         let replicates = path::REPLICATES;
         messages.warn(format!(
