@@ -19,7 +19,9 @@ const SMOOTH: usize = 2;
 /// Rows that a thread takes at a time.
 const ROWS: usize = 16;
 /// Standard deviations of the noise that count as one unit of colour distance.
-const TOLERANCE: f32 = 0.5;
+const TOLERANCE: f32 = 0.7;
+/// Mean square over squared mean of the length of three normal numbers.
+const SPREAD: f32 = 1.2;
 /// One unit of distance of the squared guides.
 const ALBEDO: f32 = 0.01;
 const NORMAL: f32 = 0.01;
@@ -105,13 +107,16 @@ impl Sources {
     }
 }
 
-/// Variance of a replicate of a half, summed over channels: half the squared difference of its two, averaged over the surroundings.
+/// Variance of a replicate of a half, summed over channels: half the squared difference of its two, or what the mean difference around it
+/// says if that is more. The mean of differences, not of squares: one bright accident must not make its whole surroundings look noisy.
 fn variance(input: &Input, half: usize) -> Vec<f32> {
     let (width, height) = (input.width, input.height);
     let difference = |r: &[[f32; 3]; 4]| -> f32 { (0..3).map(|k| 0.5 * (r[2 * half][k] - r[2 * half + 1][k]).powi(2)).sum() };
-    let raw: Vec<f32> = input.replicates.iter().map(difference).collect();
-    let across = blurred(&raw, width, height, 1, width);
-    blurred(&across, width, height, width, height)
+    let own: Vec<f32> = input.replicates.iter().map(difference).collect();
+    let roots: Vec<f32> = own.iter().map(|v| v.sqrt()).collect();
+    let across = blurred(&roots, width, height, 1, width);
+    let around = blurred(&across, width, height, width, height);
+    own.iter().zip(around).map(|(own, root)| own.max(SPREAD * root * root)).collect()
 }
 
 /// Mean over `2 SMOOTH + 1` pixels along one axis, fewer at the ends.
@@ -287,8 +292,9 @@ impl Area {
             let (b0, b1, v0, v1) = (&b0[..wide], &b1[..wide], &v0[..wide], &v1[..wide]);
             for i in 0..wide {
                 let difference = sqr(r0[i] - r1[i]) + sqr(g0[i] - g1[i]) + sqr(b0[i] - b1[i]);
+                // The smaller variance: what is clean is not mixed with what is noisy and different.
                 let expected = v0[i] + smaller(v0[i], v1[i]);
-                distance[i] = (difference - expected) / (1e-10 + TOLERANCE * TOLERANCE * (v0[i] + v1[i]));
+                distance[i] = (difference - expected) / (1e-10 + TOLERANCE * TOLERANCE * expected);
             }
             summed.copy_from_slice(&distance[..self.length]);
             for shift in 1..=2 * PATCH {
