@@ -19,9 +19,7 @@ const SMOOTH: usize = 2;
 /// Rows that a thread takes at a time.
 const ROWS: usize = 16;
 /// Standard deviations of the noise that count as one unit of colour distance.
-const TOLERANCE: f32 = 0.7;
-/// Mean square over squared mean of the length of three normal numbers.
-const SPREAD: f32 = 1.2;
+const TOLERANCE: f32 = 0.6;
 /// One unit of distance of the squared guides.
 const ALBEDO: f32 = 0.01;
 const NORMAL: f32 = 0.01;
@@ -107,16 +105,13 @@ impl Sources {
     }
 }
 
-/// Variance of a replicate of a half, summed over channels: half the squared difference of its two, or what the mean difference around it
-/// says if that is more. The mean of differences, not of squares: one bright accident must not make its whole surroundings look noisy.
+/// Variance of a replicate of a half, summed over channels: half the squared difference of its two, averaged over the surroundings.
 fn variance(input: &Input, half: usize) -> Vec<f32> {
     let (width, height) = (input.width, input.height);
     let difference = |r: &[[f32; 3]; 4]| -> f32 { (0..3).map(|k| 0.5 * (r[2 * half][k] - r[2 * half + 1][k]).powi(2)).sum() };
     let own: Vec<f32> = input.replicates.iter().map(difference).collect();
-    let roots: Vec<f32> = own.iter().map(|v| v.sqrt()).collect();
-    let across = blurred(&roots, width, height, 1, width);
-    let around = blurred(&across, width, height, width, height);
-    own.iter().zip(around).map(|(own, root)| own.max(SPREAD * root * root)).collect()
+    let across = blurred(&own, width, height, 1, width);
+    blurred(&across, width, height, width, height)
 }
 
 /// Mean over `2 SMOOTH + 1` pixels along one axis, fewer at the ends.

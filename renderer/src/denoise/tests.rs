@@ -73,7 +73,7 @@ fn a_constant_picture_stays() {
 fn noise_goes_and_edges_stay() {
     let input = noisy(1, 4, truth);
     let (raw, with) = (relmse(&mean(&input), truth), relmse(&run(&input, &checker_guides(), 1).pixels, truth));
-    assert!(with < raw / 8.0, "{with} of {raw}");
+    assert!(with < raw / 10.0, "{with} of {raw}");
     // Both sides of an edge that only the guides tell apart in this noise.
     let faint = |x: usize, y: usize| if is_bright(x, y) { 0.5 } else { 0.4 };
     let input = noisy(2, 4, faint);
@@ -84,10 +84,10 @@ fn noise_goes_and_edges_stay() {
 
 #[test]
 fn light_is_neither_lost_nor_made() {
-    let input = noisy(3, 4, truth);
+    let input = noisy(3, 16, truth);
     let sum = |pixels: &[[f32; 3]]| pixels.iter().flatten().map(|x| f64::from(*x)).sum::<f64>();
     let ratio = sum(&run(&input, &checker_guides(), 1).pixels) / sum(&mean(&input));
-    assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    assert!((ratio - 1.0).abs() < 0.012, "{ratio}");
 }
 
 /// So dark that errors are divided by a constant almost: what is unbiased is the squared error, not its division.
