@@ -134,3 +134,46 @@ fn work(shared: &Shared, ctx: &Context, threads: usize) {
         ctx.request_repaint();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use burnish_assets::Environment;
+    use burnish_renderer::path::{Settings, StopRules};
+    use burnish_renderer::scene::{Camera, EnvironmentLight, Scene};
+    use burnish_renderer::worker::Worker;
+    use glam::Vec3;
+    use std::time::Duration;
+
+    /// Waits for something; gives up after a minute.
+    fn wait<T>(mut look: impl FnMut() -> Option<T>) -> T {
+        for _ in 0..60_000 {
+            if let Some(found) = look() {
+                return found;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        panic!("it never came");
+    }
+
+    #[test]
+    fn the_picture_says_that_it_is_denoised() {
+        let map = Arc::new(Environment { name: String::new(), width: 2, height: 1, texels: vec![[0.5; 3]; 2] });
+        let camera = Camera { origin: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, fov_deg: 30.0 };
+        let environment = EnvironmentLight { map, rotation_deg: 0.0, scale: 1.0 };
+        let scene = Arc::new(Scene { objects: Vec::new(), environment, camera, max_bounces: 1 });
+        let stop = StopRules { spp: Some(8), ..StopRules::default() };
+        let worker = Worker::new(1, Box::new(|| {}));
+        worker.request(scene, Settings { width: 20, height: 10, seed: 1, threads: 1, stop });
+        let done = wait(|| worker.snapshot().filter(|snapshot| snapshot.done.is_some()));
+        assert!(done.samples.is_some());
+        let mut live = LiveDenoise::new(&Context::default(), 1);
+        assert!(live.state().0.is_none());
+        live.send(&done);
+        let denoised = wait(|| live.state().0);
+        assert!(Arc::ptr_eq(&denoised.raw, &done));
+        assert_eq!((denoised.picture.spp, denoised.picture.pixels.len()), (8, 200));
+        let label = denoised.label();
+        assert!(label.starts_with("Denoised (") && label.contains("8 spp") && label.contains("error est."), "{label}");
+    }
+}
