@@ -13,6 +13,7 @@ pub mod export;
 pub mod files;
 pub mod heatmap;
 pub mod history;
+pub mod live_denoise;
 pub mod live_final;
 pub mod live_preview;
 pub mod live_stability;

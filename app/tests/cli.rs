@@ -151,7 +151,7 @@ fn unusable_arguments_exit_with_2_and_one_line() {
         (&["render", "preset:no such thing", "--out", "a.png"], &["presets list"]),
         (&["render", "chair.gltf", "--out", "a.png"], &["chair.gltf", "not in this version"]),
         (&["render", "old.exr", "--out", "a.png"], &["old.exr", "not in this version"]),
-        (&["render", "red.asm.ron", "--denoise", "--out", "a.png"], &["--denoise", "not in this version"]),
+        (&["render", "red.asm.ron", "--denoise=blur", "--out", "a.png"], &["--denoise", "auto, burnish or oidn"]),
         (&["render", "red.asm.ron", "--material", "2", "--out", "a.png"], &["--material", "not in this version"]),
         (&["render", "red.asm.ron", "--set", "roughnes=1", "--out", "a.png"], &["did you mean `roughness`"]),
         (&["render", "red.asm.ron", "--set", "roughness=rough", "--out", "a.png"], &["roughness", "a finite number", "rough"]),
@@ -342,6 +342,62 @@ fn exr_holds_layers_and_png_has_them_beside_it() {
     }
     let picture = image::open(place.path("b.png")).unwrap().to_rgba8();
     assert_eq!((picture.get_pixel(16, 16)[3], picture.get_pixel(0, 0)[3]), (255, 0));
+}
+
+#[test]
+fn denoised_pictures_say_so_and_keep_the_raw_one() {
+    let place = Place::new();
+    let words = ["--denoise=burnish", "--spp", "8", "--json"];
+    let render = |more: &[&str]| {
+        let run = place.render(&[&words[..], more].concat());
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        run.json()
+    };
+    let json = render(&["--out", "a.exr"]);
+    assert_eq!(json["denoiser"], "burnish");
+    let [low, relmse, high] =
+        ["relmse_low_denoised", "relmse_estimate_denoised", "relmse_high_denoised"].map(|key| json[key].as_f64().unwrap());
+    assert!(low <= relmse && relmse <= high, "{json}");
+    let channel = |name: &str, channel: &str| -> Vec<f32> {
+        let image = exr::prelude::read_first_flat_layer_from_file(place.path(name)).unwrap();
+        let list = &image.layer_data.channel_data.list;
+        let found = list.iter().find(|known| known.name.to_string() == channel);
+        found.unwrap_or_else(|| panic!("{name}: no {channel}")).sample_data.values_as_f32().collect()
+    };
+    assert!(fs::read(place.path("a.exr")).unwrap().windows(20).any(|text| text == b"\"denoiser\":\"burnish\""[..20].as_ref()));
+    // The raw layer is the picture without the option; the picture itself is another.
+    assert_eq!(place.render(&["--spp", "8", "--out", "b.exr"]).code, Some(0));
+    assert!(channel("a.exr", "raw.R") == channel("b.exr", "R") && channel("a.exr", "R") != channel("b.exr", "R"));
+
+    let json = render(&["--transparent", "--threads", "2", "--out", "c.png"]);
+    let files: Vec<&str> = json["files"].as_array().unwrap().iter().map(|file| file.as_str().unwrap()).collect();
+    assert_eq!(files, ["c.png", "c.raw.png"]);
+    assert_eq!(place.render(&["--transparent", "--spp", "8", "--out", "d.png"]).code, Some(0));
+    let read = |name: &str| fs::read(place.path(name)).unwrap();
+    assert!(read("c.raw.png") == read("d.png") && read("c.png") != read("d.png"));
+    render(&["--transparent", "--threads", "1", "--out", "e.png"]);
+    assert!(read("c.png") == read("e.png"), "threads change the denoised picture");
+
+    // Too few samples, and a library that is not there, are told.
+    let few = place.render(&["--denoise=burnish", "--spp", "3", "--json", "--out", "f.png"]);
+    assert_eq!((few.code, &few.json()["denoiser"]), (Some(0), &Value::Null));
+    assert!(few.err.contains("at least 4 samples") && !place.path("f.raw.png").exists(), "{}", few.err);
+    let mut command = place.command();
+    command.args([
+        "render",
+        "red.asm.ron",
+        "--scene",
+        "scenes/quad.json",
+        "--denoise=oidn",
+        "--spp",
+        "4",
+        "--out",
+        "g.png",
+        "--json",
+    ]);
+    let missing = Run::from(command.env("BURNISH_OIDN", "nowhere.so").output().unwrap());
+    assert_eq!((missing.code, &missing.json()["denoiser"]), (Some(0), &"burnish".into()), "{}", missing.err);
+    assert!(missing.err.contains("nowhere.so") && missing.err.contains("own filter"), "{}", missing.err);
 }
 
 #[test]

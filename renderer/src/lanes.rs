@@ -2,7 +2,7 @@
 //!
 //! `f32` is the readable reference and the twin of the WGSL, `f64` the double-precision check, [`Wide`] and its twin for AVX-512 what
 //! the path tracer runs. All lane operations are plain IEEE operations in a fixed order and nothing is contracted, so every width and
-//! every instruction set gives the same bits. The only place with `unsafe`: calling a function compiled for more instructions, and
+//! every instruction set gives the same bits. `unsafe` here: calling a function compiled for more instructions, and
 //! the instructions themselves.
 
 use std::fmt::Debug;

@@ -5,6 +5,7 @@
 
 pub mod bsdf;
 pub mod bvh;
+pub mod denoise;
 pub mod lanes;
 pub mod metrics;
 pub mod path;

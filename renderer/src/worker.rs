@@ -3,6 +3,7 @@
 //! A request shows a coarse picture first (some milliseconds), then finer ones, then passes at full resolution until a rule ends
 //! them; the finished picture stays until the next request. Trees and tables are kept from request to request.
 
+use crate::denoise;
 use crate::path::render::Run;
 use crate::path::{ErrorEstimate, ErrorPoint, Film, PassStats, Prepared, Settings, StopReason, render_pass};
 use crate::scene::Scene;
@@ -43,6 +44,17 @@ pub struct Snapshot {
     pub nonfinite: u64,
     /// Seconds from the request being taken up to its first picture.
     pub first_image_seconds: f64,
+    /// What a denoiser works on: at full resolution, whenever the samples have doubled and at the end.
+    pub samples: Option<Samples>,
+}
+
+/// What a denoiser works on.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    /// The scene, for its guides.
+    pub prepared: Arc<Prepared>,
+    /// The replicates.
+    pub input: Arc<denoise::Input>,
 }
 
 /// A background renderer. Dropping it ends its thread.
@@ -144,7 +156,7 @@ impl Shared {
 
 /// The thread: waits for requests and works on the newest one.
 fn run(shared: &Shared) {
-    let mut prepared: Option<Prepared> = None;
+    let mut prepared: Option<Arc<Prepared>> = None;
     loop {
         let mut state = shared.lock();
         let request = loop {
@@ -159,7 +171,7 @@ fn run(shared: &Shared) {
         drop(state);
         let (revision, scene, settings) = request;
         let start = Instant::now();
-        let made = Prepared::new(&scene, prepared.as_ref());
+        let made = Arc::new(Prepared::new(&scene, prepared.as_deref()));
         let job = Job { shared, prepared: &made, revision, settings, start };
         // `None` means that a newer request waits.
         let _ = job.run();
@@ -170,7 +182,7 @@ fn run(shared: &Shared) {
 /// One request being worked on.
 struct Job<'a> {
     shared: &'a Shared,
-    prepared: &'a Prepared,
+    prepared: &'a Arc<Prepared>,
     revision: u64,
     settings: Settings,
     start: Instant,
@@ -209,6 +221,7 @@ impl Job<'_> {
                 error: run.error,
                 history: run.history.clone(),
                 first_image_seconds: first,
+                samples: if done.is_some() || run.film.spp().is_power_of_two() { self.samples(&run.film) } else { None },
                 done,
                 ..self.snapshot(&run.film, &run.stats, run.seconds, run.samples_per_second())
             };
@@ -225,6 +238,11 @@ impl Job<'_> {
 
     fn pass(&self, film: &mut Film, spp: u32) -> Option<PassStats> {
         render_pass(self.prepared, film, spp, self.settings.seed, self.shared.threads, &|| self.is_stale())
+    }
+
+    fn samples(&self, film: &Film) -> Option<Samples> {
+        let input = Arc::new(denoise::Input::of(film)?);
+        Some(Samples { prepared: self.prepared.clone(), input })
     }
 
     fn publish(&self, snapshot: Snapshot) -> Option<()> {
@@ -247,6 +265,7 @@ impl Job<'_> {
             history: Vec::new(),
             nonfinite: stats.nonfinite + stats.negative,
             first_image_seconds: 0.0,
+            samples: None,
         }
     }
 }

@@ -8,6 +8,7 @@ use super::scene_options::{LoadedScene, SceneOptions, positive};
 use super::{CliError, Messages, Outcome, interrupt, print_out, target};
 use crate::export::{self, Format, Layer, LayerKind, Picture};
 use burnish_material::{LOBES, Lobe, LobeSet, Material, MaterialFile, Property, TextureRef};
+use burnish_renderer::denoise::{self, DenoiseError, Denoiser, Oidn};
 use burnish_renderer::path::{self, ErrorEstimate, Film, Prepared, Progress, Settings, StopReason, StopRules};
 use burnish_renderer::preview::{self, Preview};
 use burnish_renderer::scene::Scene;
@@ -65,9 +66,10 @@ pub struct RenderArguments {
     /// How radiance becomes colours in a .png
     #[arg(long, value_name = "neutral|agx|aces|standard", default_value = "neutral", value_parser = transform)]
     display_transform: DisplayTransform,
-    /// Not in this version
-    #[arg(long, hide = true)]
-    denoise: bool,
+    /// Writes the picture denoised and the raw one beside it: NAME.raw.png, or channels raw.R, raw.G, raw.B of an .exr;
+    /// auto is Open Image Denoise where it is installed (BURNISH_OIDN may say where), else the own filter
+    #[arg(long, value_name = "auto|burnish|oidn", num_args = 0..=1, require_equals = true, default_missing_value = "auto", value_parser = denoiser)]
+    denoise: Option<Denoise>,
     /// Not in this version
     #[arg(long = "material", value_name = "NAME|INDEX", hide = true)]
     choice: Option<String>,
@@ -92,6 +94,24 @@ enum View {
     Preview,
 }
 
+/// Which filter `--denoise` takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Denoise {
+    Auto,
+    Own,
+    Oidn,
+}
+
+/// What is told about a denoised picture.
+struct DenoiseReport {
+    denoiser: String,
+    seconds: f64,
+    error: ErrorEstimate,
+}
+
+/// Linear radiance without noise, and what is told about it.
+type DenoisedFilm = (Vec<[f32; 3]>, DenoiseReport);
+
 /// A picture and what is told about its making.
 struct Rendered {
     picture: Picture,
@@ -101,6 +121,8 @@ struct Rendered {
     load_seconds: f64,
     stop_reason: &'static str,
     error: Option<ErrorEstimate>,
+    /// `None` where the picture is the raw one.
+    denoised: Option<DenoiseReport>,
     nonfinite: u64,
     lobes: LobeSet,
 }
@@ -144,11 +166,8 @@ fn render(arguments: &RenderArguments, default: Option<LoadedMaterial>) -> Resul
 
 /// Options of the contract whose engine comes later.
 fn refuse_later_options(arguments: &RenderArguments) -> Result<(), CliError> {
-    let later = [("--denoise", arguments.denoise), ("--material", arguments.choice.is_some())];
-    match later.iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => {
-            Err(CliError::unusable(format!("{option}: not in this version; expected the options that --help lists")))
-        }
+    match arguments.choice {
+        Some(_) => Err(CliError::unusable("--material: not in this version; expected the options that --help lists")),
         None => Ok(()),
     }
 }
@@ -189,7 +208,17 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         return Err(CliError::Interrupted);
     }
     let film = &rendering.film;
-    let pixels = if arguments.transparent { without_background(&loaded.scene, film) } else { opaque(&film.mean()) };
+    let developed = |mean: &[[f32; 3]]| {
+        if arguments.transparent { without_background(&loaded.scene, mean, film) } else { opaque(mean) }
+    };
+    let mut pixels = developed(&film.mean());
+    let (mut raw, mut denoised) = (None, None);
+    if let Some(choice) = arguments.denoise
+        && let Some((picture, report)) = denoise_film(choice, film, &prepared, settings.threads, messages)?
+    {
+        raw = Some(std::mem::replace(&mut pixels, developed(&picture)));
+        denoised = Some(report);
+    }
     let mut layers = Vec::new();
     if !arguments.aov.is_empty() {
         let surfaces = surfaces(arguments, loaded);
@@ -208,16 +237,55 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         }
     }
     Ok(Rendered {
-        picture: Picture { width: loaded.width, height: loaded.height, pixels, layers, ..Picture::default() },
+        picture: Picture { width: loaded.width, height: loaded.height, pixels, raw, layers, ..Picture::default() },
         spp: film.spp(),
         seconds: rendering.seconds,
         first_image_seconds: rendering.first_image_seconds,
         load_seconds: rendering.load_seconds,
         stop_reason: rendering.stop_reason.word(),
         error: rendering.error,
+        denoised,
         nonfinite: rendering.nonfinite,
         lobes: lobes(&loaded.scene, LobeSet::of).minus(less),
     })
+}
+
+/// The denoised mean of a film and what is told about it. `None`, with a warning, where there are too few samples.
+fn denoise_film(
+    choice: Denoise,
+    film: &Film,
+    prepared: &Prepared,
+    threads: usize,
+    messages: &mut Messages,
+) -> Result<Option<DenoisedFilm>, CliError> {
+    let Some(input) = denoise::Input::of(film) else {
+        let replicates = path::REPLICATES;
+        messages.warn(format!(
+            "--denoise: expected at least {replicates} samples per pixel, found {}; the picture is not denoised",
+            film.spp()
+        ));
+        return Ok(None);
+    };
+    let start = Instant::now();
+    let (denoiser, problem) = match choice {
+        Denoise::Auto => Denoiser::best(),
+        Denoise::Own => (Denoiser::Own, None),
+        Denoise::Oidn => match Oidn::find() {
+            Ok(oidn) => (Denoiser::Oidn(oidn), None),
+            Err(error) => (Denoiser::Own, Some(error)),
+        },
+    };
+    if let Some(problem) = problem {
+        messages.warn(format!("--denoise: {problem}; the own filter is used"));
+    }
+    let guides = denoise::Guides::new(prepared, film.width, film.height);
+    let cancel = || interrupt::is_interrupted();
+    let denoised = denoiser.run(&input, &guides, threads, &cancel).map_err(|error| match error {
+        DenoiseError::Cancelled => CliError::Interrupted,
+        DenoiseError::Oidn(_) => CliError::unusable(format!("--denoise: {error}")),
+    })?;
+    let report = DenoiseReport { denoiser: denoiser.name(), seconds: start.elapsed().as_secs_f64(), error: denoised.error };
+    Ok(Some((denoised.pixels, report)))
 }
 
 /// What the path tracer leaves out, other than images that are not there: loading told each with its reason.
@@ -243,7 +311,7 @@ fn opaque(mean: &[[f32; 3]]) -> Vec<[f32; 4]> {
 ///
 /// A film does not keep apart what arrived from where, so at edges the environment's mean over the pixel is taken off by
 /// the share of samples that met nothing. That is exact where the environment is smooth within a pixel.
-fn without_background(scene: &Scene, film: &Film) -> Vec<[f32; 4]> {
+fn without_background(scene: &Scene, mean: &[[f32; 3]], film: &Film) -> Vec<[f32; 4]> {
     /// Directions per side of a pixel.
     const GRID: usize = 4;
     let (width, height) = (film.width, film.height);
@@ -256,7 +324,7 @@ fn without_background(scene: &Scene, film: &Film) -> Vec<[f32; 4]> {
         });
         sum / (GRID * GRID) as f32
     };
-    let pixels = film.mean().into_iter().zip(film.alpha()).enumerate();
+    let pixels = mean.iter().copied().zip(film.alpha()).enumerate();
     pixels
         .map(|(i, (mean, alpha))| {
             let color = match alpha {
@@ -283,9 +351,9 @@ fn split(values: &[[f32; 3]]) -> Vec<Vec<f32>> {
 }
 
 fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Messages) -> Result<Rendered, CliError> {
-    if arguments.transparent || !arguments.aov.is_empty() || arguments.error.is_some() {
+    if arguments.transparent || !arguments.aov.is_empty() || arguments.error.is_some() || arguments.denoise.is_some() {
         return Err(CliError::unusable(
-            "--view preview: expected no --transparent, --aov or --error; they belong to --view final",
+            "--view preview: expected no --transparent, --aov, --error or --denoise; they belong to --view final",
         ));
     }
     let unusable = |error| CliError::unusable(format!("--view preview: {error}"));
@@ -346,6 +414,7 @@ fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Mes
         load_seconds,
         stop_reason,
         error: None,
+        denoised: None,
         nonfinite,
         lobes: lobes(&loaded.scene, LobeSet::of),
     })
@@ -366,6 +435,7 @@ fn job(arguments: &RenderArguments, loaded: &LoadedScene, rendered: &Rendered) -
         "spp": rendered.spp,
         "adaptive": arguments.view == View::Final && !arguments.no_adaptive,
         "max_bounces": loaded.scene.max_bounces,
+        "denoiser": rendered.denoised.as_ref().map(|denoised| &denoised.denoiser),
         "material": material,
     })
 }
@@ -375,8 +445,11 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
     if !arguments.json {
         let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
         let error = rendered.error.as_ref().map_or_else(String::new, |error| format!(", {}", error_text(error)));
+        let denoised = rendered.denoised.as_ref().map_or_else(String::new, |denoised| {
+            format!(", denoised by {} in {:.1} s, estimated {}", denoised.denoiser, denoised.seconds, error_text(&denoised.error))
+        });
         return print_out(&format!(
-            "{} ({}x{}): {} spp in {:.1} s{error}, stopped by {}",
+            "{} ({}x{}): {} spp in {:.1} s{error}{denoised}, stopped by {}",
             names.join(", "),
             rendered.picture.width,
             rendered.picture.height,
@@ -401,6 +474,11 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
         "relmse_high": rendered.error.as_ref().map(|error| error.high),
         "adaptive": arguments.view == View::Final && !arguments.no_adaptive,
         "is_firefly_limited": rendered.error.as_ref().map(|error| error.is_firefly_limited),
+        "denoiser": rendered.denoised.as_ref().map(|denoised| &denoised.denoiser),
+        "denoise_seconds": rendered.denoised.as_ref().map(|denoised| denoised.seconds),
+        "relmse_estimate_denoised": rendered.denoised.as_ref().map(|denoised| denoised.error.relmse),
+        "relmse_low_denoised": rendered.denoised.as_ref().map(|denoised| denoised.error.low),
+        "relmse_high_denoised": rendered.denoised.as_ref().map(|denoised| denoised.error.high),
         "samples_per_second": samples / rendered.seconds.max(1e-9),
         "threads": arguments.scene.threads(),
         "seed": arguments.scene.seed,
@@ -439,6 +517,15 @@ fn view(word: &str) -> Result<View, String> {
         "final" => Ok(View::Final),
         "preview" => Ok(View::Preview),
         _ => Err("expected final or preview".to_owned()),
+    }
+}
+
+fn denoiser(word: &str) -> Result<Denoise, String> {
+    match word {
+        "auto" => Ok(Denoise::Auto),
+        "burnish" => Ok(Denoise::Own),
+        "oidn" => Ok(Denoise::Oidn),
+        _ => Err("expected auto, burnish or oidn".to_owned()),
     }
 }
 

@@ -58,8 +58,7 @@ impl<L: Lanes> Bsdf<'_, L> {
         let is_coat = u[0].lt(c1) & has_choice;
         let is_sheen = u[0].lt(c2) & !is_coat & has_choice;
         // The last lobe with any probability takes what rounding leaves.
-        let is_diffuse =
-            (u[0].ge(c3) | self.p_interface.le(zero)) & self.p_diffuse.gt(zero) & !is_coat & !is_sheen & has_choice;
+        let is_diffuse = (u[0].ge(c3) | self.p_interface.le(zero)) & self.p_diffuse.gt(zero) & !is_coat & !is_sheen & has_choice;
         let is_interface = !is_coat & !is_sheen & !is_diffuse;
 
         // One visible normal serves coat and base: each lane has its own alpha and frame.

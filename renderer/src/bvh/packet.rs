@@ -9,7 +9,6 @@ use super::single::{WIDEN, edges_in_double, rows};
 use super::{Block, Bvh, EMPTY, Hit, LEAF, NONE, Ray};
 use crate::lanes::{Kernel, Lanes, MAX_LANES, Mask};
 
-
 /// Nearest hits.
 pub(super) struct Trace<'a> {
     pub bvh: &'a Bvh,

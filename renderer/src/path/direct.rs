@@ -93,7 +93,9 @@ impl Shade<'_> {
     /// Number of candidates from the BSDF, where there are any.
     fn candidates(&self) -> Option<u32> {
         match self.surface.connection {
-            Connection::Candidates(n) if self.vertex == 0 && self.prepared.resamples && self.prepared.light.is_sampled() => Some(n),
+            Connection::Candidates(n) if self.vertex == 0 && self.prepared.resamples && self.prepared.light.is_sampled() => {
+                Some(n)
+            }
             _ => None,
         }
     }

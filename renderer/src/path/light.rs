@@ -81,15 +81,7 @@ impl LightTables {
                 texels.push([c[0], c[1], c[2], 0.0]);
             }
         }
-        let mut tables = Self {
-            map: map.clone(),
-            rows,
-            columns,
-            mean: 0.0,
-            compensated: None,
-            hot: OnceLock::new(),
-            texels,
-        };
+        let mut tables = Self { map: map.clone(), rows, columns, mean: 0.0, compensated: None, hot: OnceLock::new(), texels };
         tables.mean = tables.mean_above(0.0);
         tables.compensated = Distribution::new(&tables.mass_above(tables.mean), rows, columns);
         tables

@@ -31,7 +31,11 @@ fn material(values: &[(Property, Value)]) -> Arc<Material> {
 
 fn metal(roughness: f64) -> Arc<Material> {
     let gold = Value::Color([0.9, 0.7, 0.3]);
-    material(&[(Property::metallic, Value::Float(1.0)), (Property::base_color, gold), (Property::roughness, Value::Float(roughness))])
+    material(&[
+        (Property::metallic, Value::Float(1.0)),
+        (Property::base_color, gold),
+        (Property::roughness, Value::Float(roughness)),
+    ])
 }
 
 fn glass(roughness: f64) -> Arc<Material> {
@@ -156,11 +160,15 @@ fn candidates_bring_what_one_direction_brings() {
 
 #[test]
 fn both_branches_make_up_the_choice_between_them() {
-    for (what, material) in [("glass", glass(0.0)), ("coated glass", coated(&glass(0.0), 0.2)), ("half glass", {
-        let mut material = (*glass(0.0)).clone();
-        material.set(Property::translucency, Value::Float(0.5));
-        Arc::new(material)
-    })] {
+    for (what, material) in [
+        ("glass", glass(0.0)),
+        ("coated glass", coated(&glass(0.0), 0.2)),
+        ("half glass", {
+            let mut material = (*glass(0.0)).clone();
+            material.set(Property::translucency, Value::Float(0.5));
+            Arc::new(material)
+        }),
+    ] {
         let mut prepared = Prepared::new(&ball(material), None).without_photons();
         assert!(prepared.surfaces[0].splits, "{what}");
         let branches = picture(&prepared, 128, 5);

@@ -111,7 +111,9 @@ impl Surface {
         let optics: Optics<f64> = interpret(&inputs, lobes, length_scale);
         Self {
             connection: Connection::of(&optics, lobes, varies),
-            splits: lobes.has(Lobe::transmission) && optics.alpha_x.max(optics.alpha_y) < SPLIT_ALPHA && !varies(Property::roughness),
+            splits: lobes.has(Lobe::transmission)
+                && optics.alpha_x.max(optics.alpha_y) < SPLIT_ALPHA
+                && !varies(Property::roughness),
             albedos: Albedos::new(&inputs, lobes, varies, albedos),
             lobes,
             textures,

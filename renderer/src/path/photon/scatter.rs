@@ -120,12 +120,7 @@ impl Scatter<'_> {
 
     /// The surface as seen along a direction, with that direction and the one to the light in its frame.
     #[inline(always)]
-    fn seen_along<'b, L: Lanes>(
-        &'b self,
-        here: &Arrival<'b, L>,
-        wo: V3<L>,
-        throughput: Rgb<L>,
-    ) -> (Bsdf<'b, L>, Frame<L>) {
+    fn seen_along<'b, L: Lanes>(&'b self, here: &Arrival<'b, L>, wo: V3<L>, throughput: Rgb<L>) -> (Bsdf<'b, L>, Frame<L>) {
         let is_front = wo.dot(here.at.ng).gt(L::zero());
         let shading = self.surface.shading(&here.at, here.inputs, here.footprint.as_ref(), wo, is_front);
         let frame = shading.frame;
@@ -152,11 +147,8 @@ impl Scatter<'_> {
         let row = ((one - y) * L::of(0.5 * self.view.height as f64)).floor();
         let is_inside = |c: L, n: usize| c.ge(zero) & c.lt(L::of(n as f64));
         let [light, eye] = [here.to_light, wo].map(|w| w.dot(here.at.ng));
-        let is_seen = is_met
-            & is_ahead
-            & is_inside(column, self.view.width)
-            & is_inside(row, self.view.height)
-            & (light * eye).gt(zero);
+        let is_seen =
+            is_met & is_ahead & is_inside(column, self.view.width) & is_inside(row, self.view.height) & (light * eye).gt(zero);
         if !is_seen.any() {
             return;
         }
@@ -165,7 +157,8 @@ impl Scatter<'_> {
         let is_consistent = (to_light.z * light).gt(zero);
         let (value, _) = bsdf.eval(to_light);
         // A pixel is the mean over its area on the film; a place on the film sees the surface under these cosines.
-        let area = 4.0 * f64::from(basis.right.length()) * f64::from(basis.up.length()) / (self.view.width * self.view.height) as f64;
+        let area =
+            4.0 * f64::from(basis.right.length()) * f64::from(basis.up.length()) / (self.view.width * self.view.height) as f64;
         let cos = depth / distance;
         let scale = eye.abs() / (light.abs().max(L::of(COS_MIN)) * square * cos * cos * cos * L::of(area));
         let brought = (here.power * value).scale(scale);
@@ -213,8 +206,7 @@ impl Scatter<'_> {
         };
         let mut power = here.power * from_light.adjoint(&sample, &from_viewer, &crossing);
         let is_sound = power.is_finite() & power.min_channel().ge(zero);
-        let mut is_alive =
-            is_met & sample.is_valid & is_consistent & is_facing & is_sound & power.max_channel().gt(zero);
+        let mut is_alive = is_met & sample.is_valid & is_consistent & is_facing & is_sound & power.max_channel().gt(zero);
         for i in 0..here.count {
             if is_met.lane(i) && sample.is_valid.lane(i) && !is_sound.lane(i) {
                 self.stats.accepts(lane_of(power, i).map(|x| if x.is_finite() && x >= 0.0 { f32::NAN } else { x }));
