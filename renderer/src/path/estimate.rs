@@ -109,7 +109,7 @@ fn bracket(bulk: &Terms, outliers: &Terms, scale: f64) -> ErrorEstimate {
     let disagreement = if is_known { DISAGREEMENT * (bulk.cross / bulk.plug_in).ln() } else { 0.0 };
     let width = HALF_WIDTH * [DEVIATION_MIN, disagreement, deviation(bulk)].map(|x| x * x).iter().sum::<f64>().sqrt();
     let (least, most) = (outliers.plug_in.min(outliers.cross), outliers.plug_in.max(outliers.cross));
-    let of_outliers = HALF_WIDTH * deviation(outliers);
+    let of_outliers = HALF_WIDTH * deviation(outliers).hypot(DEVIATION_MIN);
     let low = bulk.cross * (-width).exp() + least * (-of_outliers).exp();
     let high = bulk.cross * width.exp() + most * (1.0 + of_outliers);
     ErrorEstimate {
