@@ -8,16 +8,16 @@ pub(super) const EPSILON: f64 = 0.01;
 /// Pixels to each side whose brightness helps to tell that of a pixel.
 const REACH: usize = 2;
 /// Share of the noise that is taken away where denominators are smoothed.
-const SMOOTHING: f32 = 0.6;
+const SMOOTHING: f32 = 0.8;
 /// A pixel with this share of the error is judged on its own, whereupon others may have that share of the rest.
 const OUTLIER: f64 = 0.03;
 const OUTLIER_ROUNDS: usize = 3;
 /// Half width of a 95 % interval in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
 /// Relative deviation that no estimate is free of: that of its denominators.
-const DEVIATION_MIN: f64 = 0.07;
+const DEVIATION_MIN: f64 = 0.09;
 /// Share of the logarithm of the ratio of the two estimates that counts as a standard deviation.
-const DISAGREEMENT: f64 = 0.15;
+const DISAGREEMENT: f64 = 0.12;
 /// Factor that an interval spans at most where an error is known.
 const SPAN_MAX: f64 = 3.0;
 /// Radiance beyond which squares would overflow.
@@ -109,7 +109,7 @@ fn bracket(bulk: &Terms, outliers: &Terms, scale: f64) -> ErrorEstimate {
     let disagreement = if is_known { DISAGREEMENT * (bulk.cross / bulk.plug_in).ln() } else { 0.0 };
     let width = HALF_WIDTH * [DEVIATION_MIN, disagreement, deviation(bulk)].map(|x| x * x).iter().sum::<f64>().sqrt();
     let (least, most) = (outliers.plug_in.min(outliers.cross), outliers.plug_in.max(outliers.cross));
-    let of_outliers = HALF_WIDTH * deviation(outliers);
+    let of_outliers = HALF_WIDTH * deviation(outliers).hypot(DEVIATION_MIN);
     let low = bulk.cross * (-width).exp() + least * (-of_outliers).exp();
     let high = bulk.cross * width.exp() + most * (1.0 + of_outliers);
     ErrorEstimate {

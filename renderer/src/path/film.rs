@@ -130,7 +130,7 @@ impl Film {
         }
         let (x, y) = (pixel % self.width, pixel / self.width);
         let of = |side: usize| y / side * side * self.width + x / side * side;
-        [2, 4, LATTICE].into_iter().map(of).find(|p| self.cells[*p].count > 0).unwrap_or(pixel)
+        [2, 4, 8, 16, LATTICE].into_iter().map(of).find(|p| self.cells[*p].count > 0).unwrap_or(pixel)
     }
 
     /// Mean radiance per pixel, linear Rec.709, row by row from the top. Zeros without samples.
@@ -239,7 +239,7 @@ impl Film {
 }
 
 /// Widest spacing of the pixels that a first pass may start with.
-pub(super) const LATTICE: usize = 8;
+pub(super) const LATTICE: usize = 32;
 
 /// Samples of one replicate of a pixel that holds `count`.
 fn replicate_count(count: u32, replicate: usize) -> f64 {

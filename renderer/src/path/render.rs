@@ -245,7 +245,7 @@ pub(crate) struct Run<'a> {
     estimated: (u64, f64),
     /// Seconds per sample of the last pass.
     pace: f64,
-    /// Spacing of the pixels that have their first sample.
+    /// Spacing of the pixels that get their first sample now.
     side: usize,
 }
 
@@ -264,7 +264,7 @@ impl<'a> Run<'a> {
             history: Vec::new(),
             estimated: (0, 0.0),
             pace: 0.0,
-            side: 2 * LATTICE,
+            side: LATTICE,
         }
     }
 
@@ -327,20 +327,27 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// The first sample of every pixel. Where time is short, a coarse lattice comes first, and finer ones as long as they fit.
+    /// The first sample of every pixel. Where time is short, a coarse lattice comes first, then as much of finer ones as fits.
     fn first(&mut self) -> Result<Vec<Quota>, StopReason> {
         let Some(limit) = self.settings.stop.seconds else { return Ok(self.film.evenly(1)) };
-        let all = self.film.lattice(1);
-        let taken = self.film.total_samples();
-        let needed = |quotas: &[Quota]| quotas.len() as f64 * self.seconds / taken as f64;
-        if taken > 0 && needed(&all) < PASS_SECONDS.min(limit - self.seconds) {
-            return Ok(all);
+        if self.film.total_samples() == 0 {
+            return Ok(self.film.lattice(LATTICE));
         }
-        self.side = (self.side / 2).max(1);
-        let quotas = self.film.lattice(self.side);
-        if taken > 0 && needed(&quotas) > limit - self.seconds {
+        let room = PASS_SECONDS.min(limit - self.seconds);
+        let fits = (room / self.pace.max(1e-9)) as usize;
+        if fits == 0 {
             return Err(StopReason::Time);
         }
+        let all = self.film.lattice(1);
+        if all.len() <= fits {
+            return Ok(all);
+        }
+        let mut quotas = self.film.lattice(self.side);
+        while quotas.is_empty() && self.side > 1 {
+            self.side /= 2;
+            quotas = self.film.lattice(self.side);
+        }
+        quotas.truncate(fits);
         Ok(quotas)
     }
 
@@ -529,13 +536,13 @@ mod tests {
         let stop = StopRules { seconds: Some(1e3), ..StopRules::default() };
         let mut run = Run::new(&prepared, Settings { width: 40, height: 40, seed: 7, threads: 1, stop, is_adaptive: false });
         run.step(&|| false).expect("there is time");
-        assert_eq!((run.film.total_samples(), run.film.spp(), run.error), (25, 0, None));
+        assert_eq!((run.film.total_samples(), run.film.spp(), run.error), (4, 0, None));
         assert!(run.film.mean().iter().all(|c| c[0] > 0.0));
         // Time is up: what came in time is kept, and it is the beginning of the same picture.
         run.settings.stop.seconds = Some(0.0);
         run.plan.stop.seconds = Some(0.0);
         assert_eq!(run.step(&|| false), Err(StopReason::Time));
-        assert_eq!(run.film.total_samples(), 25);
+        assert_eq!(run.film.total_samples(), 4);
         run.settings.stop.seconds = Some(1e3);
         while run.film.spp() == 0 {
             run.step(&|| false).expect("there is time");
