@@ -124,6 +124,8 @@ pub trait Lanes:
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> Self::Mask;
+    /// Runs a routine with the instructions of these lanes, compiled once for all its callers.
+    fn call<R: Routine<Self>>(routine: R) -> R::Output;
 
     /// 0.
     fn zero() -> Self {
@@ -245,6 +247,10 @@ macro_rules! scalar_lanes {
             fn is_finite(self) -> bool {
                 Self::is_finite(self)
             }
+            #[inline(always)]
+            fn call<R: Routine<Self>>(routine: R) -> R::Output {
+                call_plain(routine)
+            }
         }
     };
 }
@@ -334,6 +340,20 @@ impl Mask for bool {
     }
 }
 
+/// A part of a kernel that is too large to stand in the code of each of its callers. `run` must be `#[inline(always)]`.
+pub trait Routine<L: Lanes> {
+    /// What it returns.
+    type Output;
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
+/// [`Lanes::call`] for lanes that need no further instructions.
+#[inline(never)]
+fn call_plain<L: Lanes, R: Routine<L>>(routine: R) -> R::Output {
+    routine.run()
+}
+
 /// A stage of work over many rays that can run at any width. `run` must be `#[inline(always)]`, so that it is compiled
 /// with the instructions of the place that [`dispatch`] chooses.
 pub trait Kernel {
@@ -357,7 +377,10 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
             #[expect(unsafe_code, reason = "calls a function compiled for instructions that were detected")]
             return unsafe { run_avx2(kernel) };
         }
+        // Only old processors come here: not worth a third wide copy of every kernel.
+        kernel.run::<f32>()
     }
+    #[cfg(not(target_arch = "x86_64"))]
     kernel.run::<Wide<8>>()
 }
 

@@ -6,10 +6,24 @@ use super::fresnel::{f82_tint, fresnel, fresnel_bent};
 use super::ggx::{d_ggx, g1_smith, reflection_pdf, reflection_visibility, rotate_z, smith_length, vndf_pdf};
 use super::sheen::sheen_eval;
 use super::{Bsdf, COS_MIN, spreads_metal};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Routine};
 use crate::vector::{Rgb, V3};
 use burnish_material::Lobe;
 use std::f64::consts::FRAC_1_PI;
+
+/// [`Bsdf::eval`].
+struct Eval<'a, L: Lanes> {
+    bsdf: &'a Bsdf<'a, L>,
+    wi: V3<L>,
+}
+
+impl<L: Lanes> Routine<L> for Eval<'_, L> {
+    type Output = (Rgb<L>, L);
+    #[inline(always)]
+    fn run(self) -> (Rgb<L>, L) {
+        self.bsdf.eval_inline(self.wi)
+    }
+}
 
 impl<L: Lanes> Bsdf<'_, L> {
     /// Reflectance of the interface at a facet seen under `cos_om`, and what its refracting share lets through. `cos_im`: of the refracted
@@ -67,6 +81,11 @@ impl<L: Lanes> Bsdf<'_, L> {
     /// Value times `|cos_theta_i|` of all lobes that are not delta, and their density. `wi` is unit and local.
     #[inline(always)]
     pub fn eval(&self, wi: V3<L>) -> (Rgb<L>, L) {
+        L::call(Eval { bsdf: self, wi })
+    }
+
+    #[inline(always)]
+    fn eval_inline(&self, wi: V3<L>) -> (Rgb<L>, L) {
         let wi = self.mirrored(wi);
         let is_reflection = wi.z.gt(L::zero());
         let (value, pdf) = self.eval_reflection(V3::new(wi.x, wi.y, wi.z.abs().max(L::of(1e-7))));

@@ -103,6 +103,26 @@ pub struct Optics<L: Lanes> {
 /// their fields hold what leaves them without effect.
 #[inline(always)]
 pub fn interpret<L: Lanes>(inputs: &Inputs<L>, lobes: LobeSet, length_scale: L) -> Optics<L> {
+    L::call(Interpret { inputs, lobes, length_scale })
+}
+
+/// [`interpret`].
+struct Interpret<'a, L> {
+    inputs: &'a Inputs<L>,
+    lobes: LobeSet,
+    length_scale: L,
+}
+
+impl<L: Lanes> Routine<L> for Interpret<'_, L> {
+    type Output = Optics<L>;
+    #[inline(always)]
+    fn run(self) -> Optics<L> {
+        interpret_inline(self)
+    }
+}
+
+#[inline(always)]
+fn interpret_inline<L: Lanes>(Interpret { inputs, lobes, length_scale }: Interpret<'_, L>) -> Optics<L> {
     let one = L::one();
     let white = Rgb::white();
     let sat = |c: [L; 3]| Rgb(c.map(L::sat));

@@ -23,7 +23,7 @@ mod sample;
 pub mod sheen;
 pub mod tables;
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Routine};
 use crate::vector::{Rgb, V3};
 pub use albedos::Albedos;
 use albedos::{Place, Quantity};
@@ -134,6 +134,11 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
     /// Lobes that are not in `lobes` are not evaluated; `albedos` must have been made for the same set.
     #[inline(always)]
     pub fn prepare(optics: &'a Optics<L>, albedos: &'a Albedos, lobes: LobeSet, view: &View<L>) -> Self {
+        L::call(Prepare { optics, albedos, lobes, view })
+    }
+
+    #[inline(always)]
+    fn prepare_inline(Prepare { optics, albedos, lobes, view }: Prepare<'a, '_, L>) -> Self {
         let one = L::one();
         let zero = L::zero();
         let is_below = view.wo.z.lt(zero);
@@ -292,6 +297,22 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
     #[inline(always)]
     fn in_coat(&self, w: V3<L>) -> V3<L> {
         self.coat_frame.map_or(w, |frame| frame.local(w))
+    }
+}
+
+/// [`Bsdf::prepare`].
+struct Prepare<'a, 'b, L: Lanes> {
+    optics: &'a Optics<L>,
+    albedos: &'a Albedos,
+    lobes: LobeSet,
+    view: &'b View<L>,
+}
+
+impl<'a, L: Lanes> Routine<L> for Prepare<'a, '_, L> {
+    type Output = Bsdf<'a, L>;
+    #[inline(always)]
+    fn run(self) -> Bsdf<'a, L> {
+        Bsdf::prepare_inline(self)
     }
 }
 

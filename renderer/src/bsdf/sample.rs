@@ -4,7 +4,7 @@ use super::fresnel::fresnel;
 use super::ggx::{cosine_sample, d_ggx, g1_smith, reflect, refract, rotate_z, smith_length, vndf_pdf, vndf_sample};
 use super::sheen::sheen_sample;
 use super::{Bsdf, spreads_metal};
-use crate::lanes::{Lanes, Mask};
+use crate::lanes::{Lanes, Mask, Routine};
 use crate::vector::{Rgb, V3};
 use burnish_material::Lobe;
 
@@ -36,6 +36,21 @@ pub enum Side {
     Across,
 }
 
+/// [`Bsdf::sample_side`].
+struct Sample<'a, L: Lanes> {
+    bsdf: &'a Bsdf<'a, L>,
+    u: [L; 4],
+    side: Side,
+}
+
+impl<L: Lanes> Routine<L> for Sample<'_, L> {
+    type Output = BsdfSample<L>;
+    #[inline(always)]
+    fn run(self) -> BsdfSample<L> {
+        self.bsdf.sample_inline(self.u, self.side)
+    }
+}
+
 impl<L: Lanes> Bsdf<'_, L> {
     /// Draws a direction. `u` in `[0, 1)`: choice of lobe, direction (2), reflection or refraction.
     #[inline(always)]
@@ -47,6 +62,11 @@ impl<L: Lanes> Bsdf<'_, L> {
     /// weighs against light sampling as before.
     #[inline(always)]
     pub fn sample_side(&self, u: [L; 4], side: Side) -> BsdfSample<L> {
+        L::call(Sample { bsdf: self, u, side })
+    }
+
+    #[inline(always)]
+    fn sample_inline(&self, u: [L; 4], side: Side) -> BsdfSample<L> {
         let o = self.optics;
         let (zero, one) = (L::zero(), L::one());
         let none = <L::Mask as Mask>::splat(false);

@@ -9,7 +9,7 @@
 #![expect(unsafe_code, reason = "instructions that were detected before these types can be named")]
 
 use super::wide::each;
-use super::{Lanes, MAX_LANES, Mask, elementary};
+use super::{Lanes, MAX_LANES, Mask, elementary, Routine};
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub};
 
@@ -132,10 +132,21 @@ impl Mask for M16 {
     }
 }
 
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2")]
+#[inline(never)]
+fn call<R: Routine<V16>>(routine: R) -> R::Output {
+    routine.run()
+}
+
 impl Lanes for V16 {
     type Mask = M16;
     const WIDTH: usize = 16;
     const ALPHA_MIN: f64 = <f32 as Lanes>::ALPHA_MIN;
+    #[inline(always)]
+    fn call<R: Routine<Self>>(routine: R) -> R::Output {
+        // SAFETY: the instructions have been found, see the module.
+        unsafe { call(routine) }
+    }
     #[inline(always)]
     fn from_fn(f: impl FnMut(usize) -> f32) -> Self {
         Self::from_array(&each(f))

@@ -1,6 +1,6 @@
 //! Lanes as arrays that the compiler turns into vectors: for AVX2, and for processors without either.
 
-use super::{Lanes, MAX_LANES, Mask, elementary};
+use super::{Lanes, MAX_LANES, Mask, elementary, Routine, call_plain};
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub};
 
 /// `N` single-precision lanes.
@@ -129,10 +129,28 @@ impl<const N: usize> Mask for WideMask<N> {
     }
 }
 
+/// [`Lanes::call`] with the instructions that [`super::dispatch`] runs these lanes with.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+#[inline(never)]
+fn call_avx2<L: Lanes, R: Routine<L>>(routine: R) -> R::Output {
+    routine.run()
+}
+
 impl<const N: usize> Lanes for Wide<N> {
     type Mask = WideMask<N>;
     const WIDTH: usize = N;
     const ALPHA_MIN: f64 = <f32 as Lanes>::ALPHA_MIN;
+    #[inline(always)]
+    fn call<R: Routine<Self>>(routine: R) -> R::Output {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has just been found to offer these instructions.
+            #[expect(unsafe_code, reason = "calls a function compiled for instructions that were detected")]
+            return unsafe { call_avx2(routine) };
+        }
+        call_plain(routine)
+    }
     #[inline(always)]
     fn of(x: f64) -> Self {
         Self([x as f32; N])

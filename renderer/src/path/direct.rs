@@ -105,54 +105,51 @@ impl Shade<'_> {
         self.candidates().is_some()
     }
 
-    /// Connections of paths to the environment. `u` are the numbers of [`Group::Light`].
+    /// Connects paths to the environment. `u` are the numbers of [`Group::Light`].
     #[inline(always)]
     pub(super) fn direct_light<L: Lanes>(&mut self, here: &Encounter<'_, L>, u: [L; 4]) {
         if self.surface.connection == Connection::None || !self.prepared.light.is_sampled() {
             return;
         }
-        if let Some(count) = self.candidates() {
-            return self.resample(here, count, u);
-        }
-        let light = self.prepared.light.sample(u[0], u[1]);
-        let (value, pdf) = here.bsdf.eval(here.frame.local(light.direction));
-        let radiance = self.found(here, light.radiance);
-        let weight = L::one() / (light.pdf + pdf).max(L::of(1e-30));
-        let brought = (here.throughput * value * radiance).scale(weight);
-        self.push(here, light.pdf.gt(L::zero()), light.direction, brought);
-    }
-
-    /// One connection for several candidates, `from_bsdf` of them drawn from the BSDF.
-    #[inline(always)]
-    fn resample<L: Lanes>(&mut self, here: &Encounter<'_, L>, from_bsdf: u32, u: [L; 4]) {
         let zero = L::zero();
-        let counts = [LIGHT_CANDIDATES, from_bsdf].map(|n| L::of(f64::from(n)));
-        let weight = |light: L, bsdf: L| L::one() / (counts[0] * light + counts[1] * bsdf).max(L::of(1e-30));
+        // One direction from the light alone is a candidate, too: the path itself draws the one from the BSDF.
+        let (group, counts) = match self.candidates() {
+            Some(n) => (Group::LightCandidate, [LIGHT_CANDIDATES, n]),
+            None => (Group::Light, [1, 0]),
+        };
+        let techniques = counts.map(|n| L::of(f64::from(n.max(1))));
+        let weight = |light: L, bsdf: L| L::one() / (techniques[0] * light + techniques[1] * bsdf).max(L::of(1e-30));
         let numbers = |j: u32, n: u32| -> Words { per_lane(0, |i| here.indices[i].wrapping_mul(n).wrapping_add(j)) };
-        // The same side of both normals, which is the viewer's.
-        let is_outer = |direction: V3<L>, local: V3<L>| (direction.dot(here.at.ng) * local.z).gt(zero);
         let mut reservoir = Reservoir::new(u[2]);
-        for j in 0..LIGHT_CANDIDATES {
-            let x: [L; 4] = draw(Group::LightCandidate, self.vertex, here.seeds, &numbers(j, LIGHT_CANDIDATES));
+        for j in 0..counts[0] {
+            let x: [L; 4] = draw(group, self.vertex, here.seeds, &numbers(j, counts[0]));
             let light = self.prepared.light.sample(x[0], x[1]);
             let local = here.frame.local(light.direction);
             let (value, pdf) = here.bsdf.eval(local);
-            let brought = (here.throughput * value * light.radiance).scale(weight(light.pdf, pdf));
-            reservoir.consider(light.pdf.gt(zero) & is_outer(light.direction, local), brought, light.direction);
+            let radiance = self.found(here, light.radiance);
+            let brought = (here.throughput * value * radiance).scale(weight(light.pdf, pdf));
+            reservoir.consider(light.pdf.gt(zero) & self.is_open(here, light.direction, local), brought, light.direction);
         }
-        for j in 0..from_bsdf {
-            let x: [L; 4] = draw(Group::BsdfCandidate, self.vertex, here.seeds, &numbers(j, from_bsdf));
+        for j in 0..counts[1] {
+            let x: [L; 4] = draw(Group::BsdfCandidate, self.vertex, here.seeds, &numbers(j, counts[1]));
             // Lobes by turns: the candidates of a sample share a number for it.
-            let lobe = (u[0] + L::of(f64::from(j))) * L::of(1.0 / f64::from(from_bsdf));
+            let lobe = (u[0] + L::of(f64::from(j))) * L::of(1.0 / f64::from(counts[1]));
             let sample = here.bsdf.sample([lobe, x[0], x[1], zero]);
             let direction = here.frame.world(sample.wi).normalize();
             let (radiance, pdf) = self.prepared.light.eval(direction);
+            let radiance = self.found(here, radiance);
             let brought = (here.throughput * sample.weight * radiance).scale(sample.pdf * weight(pdf, sample.pdf));
-            let is_used = sample.is_valid & !sample.is_delta & is_outer(direction, sample.wi);
+            let is_used = sample.is_valid & !sample.is_delta & self.is_open(here, direction, sample.wi);
             reservoir.consider(is_used, brought, direction);
         }
         let scale = reservoir.sum / L::select(reservoir.luminance.gt(zero), reservoir.luminance, L::one());
         self.push(here, reservoir.luminance.gt(zero), reservoir.direction, reservoir.light.scale(scale));
+    }
+
+    /// Whether a direction is on the same side of both normals; light leaks through the surface otherwise.
+    #[inline(always)]
+    fn is_open<L: Lanes>(&self, here: &Encounter<'_, L>, direction: V3<L>, local: V3<L>) -> L::Mask {
+        (direction.dot(here.at.ng) * local.z).gt(L::zero())
     }
 
     /// Radiance of the environment less what photons bring.
@@ -170,9 +167,7 @@ impl Shade<'_> {
     fn push<L: Lanes>(&mut self, here: &Encounter<'_, L>, is_used: L::Mask, direction: V3<L>, brought: Rgb<L>) {
         let zero = L::zero();
         let outwards = direction.dot(here.at.ng);
-        // A direction must be on the same side of both normals, or light leaks through the surface.
-        let is_consistent = (outwards * here.frame.local(direction).z).gt(zero);
-        let is_used = is_used & here.is_scattered & is_consistent & !brought.max_channel().le(zero);
+        let is_used = is_used & here.is_scattered & !brought.max_channel().le(zero);
         if !is_used.any() {
             return;
         }

@@ -13,7 +13,7 @@
 
 use super::distribution::Distribution;
 use crate::bsdf::interpret::EMISSION_MAX;
-use crate::lanes::{Lanes, MAX_LANES};
+use crate::lanes::{Lanes, MAX_LANES, Routine};
 use crate::scene::EnvironmentLight;
 use crate::vector::{Rgb, V3};
 use burnish_assets::Environment;
@@ -174,6 +174,35 @@ fn luminance(c: &[f32; 4]) -> f64 {
     LUMINANCE[0] * f64::from(c[0]) + LUMINANCE[1] * f64::from(c[1]) + LUMINANCE[2] * f64::from(c[2])
 }
 
+/// [`Light::eval`].
+struct Eval<'a, L> {
+    light: &'a Light,
+    direction: V3<L>,
+}
+
+impl<L: Lanes> Routine<L> for Eval<'_, L> {
+    type Output = (Rgb<L>, L);
+    #[inline(always)]
+    fn run(self) -> (Rgb<L>, L) {
+        self.light.eval_inline(self.direction)
+    }
+}
+
+/// [`Light::draw`].
+struct Draw<'a, L> {
+    light: &'a Light,
+    table: Option<&'a Distribution>,
+    u: [L; 2],
+}
+
+impl<L: Lanes> Routine<L> for Draw<'_, L> {
+    type Output = LightSample<L>;
+    #[inline(always)]
+    fn run(self) -> LightSample<L> {
+        self.light.draw_inline(self.table, self.u)
+    }
+}
+
 impl Light {
     /// A light with tables for its map.
     pub(super) fn new(light: &EnvironmentLight, tables: Arc<LightTables>) -> Self {
@@ -195,6 +224,11 @@ impl Light {
     /// Radiance and density (1/sr) of a unit world direction. Density 0 if light sampling is left out.
     #[inline(always)]
     pub(super) fn eval<L: Lanes>(&self, direction: V3<L>) -> (Rgb<L>, L) {
+        L::call(Eval { light: self, direction })
+    }
+
+    #[inline(always)]
+    fn eval_inline<L: Lanes>(&self, direction: V3<L>) -> (Rgb<L>, L) {
         let (s, c) = (L::of(f64::from(self.sin)), L::of(f64::from(self.cos)));
         let (x, y, z) = (c * direction.x - s * direction.z, direction.y, s * direction.x + c * direction.z);
         let turn = atan2(x, -z) * L::of(1.0 / TAU);
@@ -237,6 +271,11 @@ impl Light {
 
     #[inline(always)]
     fn draw<L: Lanes>(&self, table: Option<&Distribution>, u0: L, u1: L) -> LightSample<L> {
+        L::call(Draw { light: self, table, u: [u0, u1] })
+    }
+
+    #[inline(always)]
+    fn draw_inline<L: Lanes>(&self, table: Option<&Distribution>, [u0, u1]: [L; 2]) -> LightSample<L> {
         let (u, v, density) = table.map_or((u0, u1, L::zero()), |table| table.sample(u0, u1));
         let (sin_phi, cos_phi) = sin_cos_turn(u);
         let (sin_theta, cos_theta) = sin_cos_turn(v * L::of(0.5));

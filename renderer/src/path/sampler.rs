@@ -3,7 +3,7 @@
 //! Every number is a pure function of (seed, replicate, pixel, index, dimension): no state, so any thread may draw any of them.
 //! Sources: Owen 1995; Laine and Karras 2011; Burley 2020 (JCGT 9/4); constants of the scramble by Nathan Vegdahl.
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Routine};
 pub(super) use crate::lanes::MAX_LANES;
 
 /// One unsigned word per lane.
@@ -137,6 +137,27 @@ fn unit(x: u32) -> f32 {
 /// `indices` sample numbers within the replicate.
 #[inline(always)]
 pub(super) fn draw<L: Lanes>(group: Group, vertex: u32, seeds: &Words, indices: &Words) -> [L; 4] {
+    L::call(Draw { group, vertex, seeds, indices })
+}
+
+/// [`draw`].
+struct Draw<'a> {
+    group: Group,
+    vertex: u32,
+    seeds: &'a Words,
+    indices: &'a Words,
+}
+
+impl<L: Lanes> Routine<L> for Draw<'_> {
+    type Output = [L; 4];
+    #[inline(always)]
+    fn run(self) -> [L; 4] {
+        draw_inline(self)
+    }
+}
+
+#[inline(always)]
+fn draw_inline<L: Lanes>(Draw { group, vertex, seeds, indices }: Draw<'_>) -> [L; 4] {
     let number = match group {
         Group::Pixel => 0,
         Group::Bsdf => 1 + GROUPS_PER_VERTEX * vertex,

@@ -113,7 +113,7 @@ impl Shade<'_> {
         }
 
         let is_scattered = is_met & <L::Mask as Mask>::from_fn(|i| self.paths.bounces[id[i]] <= prepared.max_bounces);
-        let mut go = Continuation {
+        let straight = Continuation {
             direction: -wo,
             throughput,
             pdf: L::from_fn(|i| self.paths.pdf[id[i]]),
@@ -124,37 +124,49 @@ impl Shade<'_> {
             is_across: is_passed,
             is_alive: is_passed,
         };
-        if is_scattered.any() {
+        let mut choice = [L::zero(); 4];
+        let bsdf = is_scattered.any().then(|| {
             let light = lobes.has(Lobe::dispersion).then(|| wavelength(self.paths, &id));
             let coat_normal = surface.has_coat_normal().then(|| frame.local(coat_normal));
             let view = View { throughput, light, coat_normal, ..View::new(frame.local(wo)) };
-            let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &view);
-            let media = [medium, go.beyond];
-            let (seeds, indices) = (&seeds, &indices);
-            let here =
-                Encounter { bsdf: &bsdf, frame: &frame, at: &at, wo, throughput, media, is_scattered, id: &id, seeds, indices };
-            let choice: [L; 4] = draw(Group::Light, self.vertex, seeds, indices);
-            self.direct_light(&here, choice);
-            let u: [L; 4] = draw(Group::Bsdf, self.vertex, seeds, indices);
-            let is_dispersing = optics.dispersion.gt(L::zero());
-            // What a refracting body reflects and what it lets through are both followed where the camera sees it first.
-            if self.vertex == 0 && surface.splits {
-                let mut mirrored = go;
-                self.scatter(&here, Side::Same, choice[3], u, is_dispersing, &mut mirrored);
-                mirrored.is_alive = mirrored.is_alive & is_scattered;
-                let mut branches = id;
-                for (i, branch) in branches.iter_mut().enumerate().take(ids.len()) {
-                    if mirrored.is_alive.lane(i) {
-                        *branch = self.paths.branch(id[i]);
+            Bsdf::prepare(optics, &surface.albedos, lobes, &view)
+        });
+        let (media, seeds, indices) = ([medium, straight.beyond], &seeds, &indices);
+        let here = bsdf.as_ref().map(|bsdf| Encounter {
+            bsdf,
+            frame: &frame,
+            at: &at,
+            wo,
+            throughput,
+            media,
+            is_scattered,
+            is_dispersing: optics.dispersion.gt(L::zero()),
+            id: &id,
+            seeds,
+            indices,
+        });
+        if let Some(here) = &here {
+            choice = draw(Group::Light, self.vertex, seeds, indices);
+            self.direct_light(here, choice);
+        }
+        // What a refracting body reflects and what it lets through are both followed where the camera sees it first.
+        let sides: &[Side] = if self.vertex == 0 && surface.splits { &[Side::Same, Side::Across] } else { &[Side::Both] };
+        for &side in sides {
+            let mut go = straight;
+            if let Some(here) = &here {
+                self.scatter(here, side, choice[3], &mut go);
+            }
+            let mut paths = id;
+            if side == Side::Same {
+                go.is_alive = go.is_alive & is_scattered;
+                for (i, path) in paths.iter_mut().enumerate().take(ids.len()) {
+                    if go.is_alive.lane(i) {
+                        *path = self.paths.branch(id[i]);
                     }
                 }
-                self.write(&mirrored, &at, medium, <L::Mask as Mask>::splat(false), &branches[..ids.len()], &hits);
-                self.scatter(&here, Side::Across, choice[3], u, is_dispersing, &mut go);
-            } else {
-                self.scatter(&here, Side::Both, choice[3], u, is_dispersing, &mut go);
             }
+            self.write(&go, &at, medium, is_passed, &paths[..ids.len()], &hits);
         }
-        self.write(&go, &at, medium, is_passed, &id[..ids.len()], &hits);
     }
 
     /// One scattered direction on a side of the surface, and roulette.
@@ -164,13 +176,11 @@ impl Shade<'_> {
         here: &Encounter<'_, L>,
         side: Side,
         roulette: L,
-        u: [L; 4],
-        is_dispersing: L::Mask,
         go: &mut Continuation<L>,
     ) {
         let zero = L::zero();
-        let &Encounter { bsdf, frame, at, wo, is_scattered, id, .. } = here;
-        let sample = bsdf.sample_side(u, side);
+        let &Encounter { bsdf, frame, at, wo, is_scattered, is_dispersing, id, .. } = here;
+        let sample = bsdf.sample_side(draw(Group::Bsdf, self.vertex, here.seeds, here.indices), side);
         let wi = frame.world(sample.wi).normalize();
         let is_same_side = (wi.dot(at.ng) * wo.dot(at.ng)).gt(zero);
         let is_consistent = (is_same_side & !sample.is_transmission) | (!is_same_side & sample.is_transmission);
@@ -277,6 +287,7 @@ pub(super) struct Encounter<'a, L: Lanes> {
     /// What the paths are in, and what is behind the surface.
     pub media: [Medium<L>; 2],
     pub is_scattered: L::Mask,
+    pub is_dispersing: L::Mask,
     pub id: &'a [usize; MAX_LANES],
     pub seeds: &'a Words,
     pub indices: &'a Words,
