@@ -111,10 +111,12 @@ pub trait Lanes:
     /// `self <= other`.
     fn le(self, other: Self) -> Self::Mask;
     /// `self > other`.
+    #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
     /// `self >= other`.
+    #[inline(always)]
     fn ge(self, other: Self) -> Self::Mask {
         other.le(self)
     }
@@ -126,22 +128,27 @@ pub trait Lanes:
     fn is_finite(self) -> Self::Mask;
 
     /// 0.
+    #[inline(always)]
     fn zero() -> Self {
         Self::of(0.0)
     }
     /// 1.
+    #[inline(always)]
     fn one() -> Self {
         Self::of(1.0)
     }
     /// Clamped to `[0, 1]`.
+    #[inline(always)]
     fn sat(self) -> Self {
         self.max(Self::zero()).min(Self::one())
     }
     /// `self + t (b - self)`.
+    #[inline(always)]
     fn lerp(self, b: Self, t: Self) -> Self {
         self + t * (b - self)
     }
     /// Square.
+    #[inline(always)]
     fn sqr(self) -> Self {
         self * self
     }
@@ -332,6 +339,17 @@ impl Mask for bool {
     fn from_bits(bits: u32) -> Self {
         bits & 1 == 1
     }
+}
+
+/// Asks for `table[index]`, if there is one, to be brought near: it will be read soon.
+#[inline(always)]
+pub fn prefetch<T>(table: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(value) = table.get(index) {
+        avx512::prefetch(value);
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (table, index);
 }
 
 /// A stage of work over many rays that can run at any width. `run` must be `#[inline(always)]`, so that it is compiled

@@ -254,7 +254,6 @@ impl Light {
     #[inline(always)]
     fn density_at<L: Lanes>(&self, u: L, v: L, sin_theta: L) -> L {
         let t = &self.tables;
-        let cell = |x: L, n: usize| (x * L::of(n as f64)).floor().max(L::zero()).min(L::of((n - 1) as f64));
         let index = cell(v, t.rows) * L::of(t.columns as f64) + cell(u, t.columns);
         L::gather(&t.density, index) / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN)))
     }
@@ -282,12 +281,20 @@ impl Light {
         }
         let texels = self.tables.texels.as_flattened();
         let scale = L::of(f64::from(self.scale));
-        let channel = |k: usize| {
-            let tap = |t: usize| L::gather_at(&texels[k..], &taps[t]);
-            (tap(0).lerp(tap(1), fx).lerp(tap(2).lerp(tap(3), fx), fy) * scale).min(L::of(EMISSION_MAX))
-        };
-        Rgb([channel(0), channel(1), channel(2)])
+        let mut channels = [L::zero(); 3];
+        for (k, channel) in channels.iter_mut().enumerate() {
+            let [a, b] = [L::gather_at(&texels[k..], &taps[0]), L::gather_at(&texels[k..], &taps[1])];
+            let [c, d] = [L::gather_at(&texels[k..], &taps[2]), L::gather_at(&texels[k..], &taps[3])];
+            *channel = (a.lerp(b, fx).lerp(c.lerp(d, fx), fy) * scale).min(L::of(EMISSION_MAX));
+        }
+        Rgb(channels)
     }
+}
+
+/// The cell of `n` that a number in `[0, 1]` lies in.
+#[inline(always)]
+fn cell<L: Lanes>(x: L, n: usize) -> L {
+    (x * L::of(n as f64)).floor().max(L::zero()).min(L::of((n - 1) as f64))
 }
 
 /// Largest `i < count` with `table[base + i] <= u`, and where `u` lies between it and the next, `[0, 1)`.

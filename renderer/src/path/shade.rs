@@ -70,7 +70,8 @@ impl Shade<'_> {
             // The way through a clear body (Beer and Lambert). A walk has weighted its own.
             let t = L::from_fn(|i| hits[i].t);
             let is_clear = medium.sigma_s.max_channel().le(L::zero());
-            throughput = throughput.zip(medium.sigma_a, |b, s| b * L::select(is_clear, (-(s * t)).exp(), L::one()));
+            let Rgb([r, g, b]) = medium.sigma_a.scale(-t);
+            throughput = throughput * Rgb::select(is_clear, Rgb([r.exp(), g.exp(), b.exp()]), Rgb::white());
         }
 
         let at: Point<L> = point(&prepared.geometry, &hits, surface.needs_tangent(), surface.reads_images());
@@ -379,5 +380,5 @@ fn lane_vector<L: Lanes>(v: V3<L>, i: usize) -> Vec3 {
 /// One lane of a colour.
 #[inline(always)]
 pub(super) fn lane_of<L: Lanes>(c: Rgb<L>, i: usize) -> [f32; 3] {
-    c.0.map(|x| x.lane(i))
+    [c.0[0].lane(i), c.0[1].lane(i), c.0[2].lane(i)]
 }
