@@ -301,18 +301,21 @@ impl App {
                 ctx.request_repaint_after(REST.saturating_sub(idle).min(Duration::from_millis(60)));
             }
             let note = self.preview.complaint().into_iter().collect();
-            let picture = Picture { texture, name: "Preview", notes: note, reserved: 0.0, problem: self.preview.problem() };
+            let picture =
+                Picture { texture, name: "Preview", notes: note, label: None, reserved: 0.0, problem: self.preview.problem() };
             if viewport::paint(ui, rect, &picture, is_both) {
                 self.carry_out(Command::ShowFinal, &ctx);
             }
         }
         let Some(rect) = layout.final_view else { return };
-        let mut picture = Picture { texture: None, name: "Final", notes: Vec::new(), reserved: 0.0, problem: None };
+        let mut picture = Picture { texture: None, name: "Final", notes: Vec::new(), label: None, reserved: 0.0, problem: None };
         let mut curve = None;
         if let Some(view) = &mut self.final_view {
-            view.update(&ctx, display);
+            view.update(&ctx, display, self.editor.view.is_denoise_on);
             picture.texture = view.texture().map(|texture| texture.id());
             picture.notes.clone_from(&self.left_out);
+            picture.notes.extend(view.problem().map(str::to_owned));
+            picture.label = view.label().map(str::to_owned);
             curve = view.current().filter(|_| self.editor.view.is_chart_shown && viewport::has_chart_room(rect)).cloned();
         }
         if curve.is_some() {
@@ -320,7 +323,8 @@ impl App {
         }
         viewport::paint(ui, rect, &picture, is_both);
         if let Some(snapshot) = curve {
-            viewport::paint_chart(ui, rect, &snapshot.history, self.editor.view.stop.relmse);
+            let history: Vec<(f64, f64)> = snapshot.history.iter().map(|point| (point.seconds, point.relmse)).collect();
+            viewport::paint_chart(ui, rect, &history, self.editor.view.stop.relmse);
         }
     }
 

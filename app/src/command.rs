@@ -47,6 +47,8 @@ pub enum Command {
     ExposureUp,
     /// One third of a stop darker.
     ExposureDown,
+    /// Show the final view denoised or raw.
+    ToggleDenoise,
     /// Show or hide the side panels.
     TogglePanels,
     /// Show or hide the error chart.
@@ -76,7 +78,7 @@ const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 impl Command {
     /// All commands in menu order.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::New,
         Self::Open,
         Self::Save,
@@ -97,6 +99,7 @@ impl Command {
         Self::ResetView,
         Self::ExposureUp,
         Self::ExposureDown,
+        Self::ToggleDenoise,
         Self::TogglePanels,
         Self::ToggleChart,
         Self::ToggleStability,
@@ -125,6 +128,7 @@ impl Command {
             Self::ResetView => "Reset view",
             Self::ExposureUp => "Brighter",
             Self::ExposureDown => "Darker",
+            Self::ToggleDenoise => "Denoise final view",
             Self::TogglePanels => "Side panels",
             Self::ToggleChart => "Error chart",
             Self::ToggleStability => "Stability report",
@@ -154,6 +158,7 @@ impl Command {
             Self::ResetView => "Camera, environment rotation and exposure as at first.",
             Self::ExposureUp => "A third of a stop more exposure.",
             Self::ExposureDown => "A third of a stop less exposure.",
+            Self::ToggleDenoise => "Show the final view denoised, labelled, with an error of its own; the raw picture is kept.",
             Self::TogglePanels => "Show or hide the presets and the properties.",
             Self::ToggleChart => "Show or hide the estimated error over time.",
             Self::ToggleStability => "Probe the material at extremes: non-finite values, lost or gained light, time.",
@@ -183,6 +188,7 @@ impl Command {
             Self::ResetView => const { &[keys(Modifiers::NONE, Key::R)] },
             Self::ExposureUp => const { &[keys(Modifiers::NONE, Key::CloseBracket)] },
             Self::ExposureDown => const { &[keys(Modifiers::NONE, Key::OpenBracket)] },
+            Self::ToggleDenoise => const { &[keys(Modifiers::NONE, Key::D)] },
             Self::TogglePanels => const { &[keys(Modifiers::NONE, Key::H)] },
             Self::ToggleChart => const { &[keys(Modifiers::NONE, Key::G)] },
             Self::ToggleStability => const { &[keys(Modifiers::NONE, Key::T)] },
@@ -211,6 +217,7 @@ impl Command {
             | Self::ResetView
             | Self::ExposureUp
             | Self::ExposureDown
+            | Self::ToggleDenoise
             | Self::TogglePanels
             | Self::ToggleChart
             | Self::ToggleStability => Menu::View,
@@ -221,7 +228,14 @@ impl Command {
     pub fn starts_section(self) -> bool {
         matches!(
             self,
-            Self::LoadModel | Self::SavePng | Self::Quit | Self::ResetAll | Self::Frame | Self::ExposureUp | Self::TogglePanels
+            Self::LoadModel
+                | Self::SavePng
+                | Self::Quit
+                | Self::ResetAll
+                | Self::Frame
+                | Self::ExposureUp
+                | Self::ToggleDenoise
+                | Self::TogglePanels
         )
     }
 

@@ -28,6 +28,8 @@ pub struct Picture {
     pub pixels: Vec<[f32; 4]>,
     /// Whether the coverage is written.
     pub has_alpha: bool,
+    /// The picture before it was denoised, if it was: as `pixels`.
+    pub raw: Option<Vec<[f32; 4]>>,
     /// What else is known of each pixel.
     pub layers: Vec<Layer>,
     /// What the picture was made from, as JSON.
@@ -142,7 +144,8 @@ impl std::error::Error for ExportError {}
 
 /// Writes a picture; the ending of the name tells the format.
 ///
-/// PNG has no layers: each goes to a file of its own beside it, `NAME.albedo.png`. All are encoded before the first is
+/// PNG has no layers: each goes to a file of its own beside it, `NAME.albedo.png`; so does the raw picture of a denoised one, `NAME.raw.png`,
+/// which EXR holds as `raw.R` and so on. All are encoded before the first is
 /// written. Returns the files, the picture first.
 pub fn write(path: &Path, picture: &Picture, display: Display) -> Result<Vec<PathBuf>, ExportError> {
     let format = Format::of(path).ok_or_else(|| ExportError::UnknownFormat { path: path.to_path_buf() })?;
@@ -152,6 +155,10 @@ pub fn write(path: &Path, picture: &Picture, display: Display) -> Result<Vec<Pat
         Format::Exr => files.push((path.to_path_buf(), exr_bytes(picture).map_err(failed)?)),
         Format::Png => {
             files.push((path.to_path_buf(), png_bytes(picture, display).map_err(failed)?));
+            if let Some(raw) = &picture.raw {
+                let raw = Picture { pixels: raw.clone(), layers: Vec::new(), raw: None, ..picture.clone() };
+                files.push((path.with_extension("raw.png"), png_bytes(&raw, display).map_err(failed)?));
+            }
             for layer in &picture.layers {
                 let beside = path.with_extension(format!("{}.png", layer.kind.word()));
                 files.push((beside, encode_png(picture, &layer_pixels(layer), ExtendedColorType::Rgb8).map_err(failed)?));
@@ -221,16 +228,20 @@ fn layer_pixels(layer: &Layer) -> Vec<u8> {
 
 /// The picture as EXR with its layers. Colours are multiplied by alpha, as EXR wants.
 pub fn exr_bytes(picture: &Picture) -> Result<Vec<u8>, String> {
-    let plane = |c: usize| FlatSamples::F32(picture.pixels.iter().map(|pixel| pixel[c]).collect());
-    let colors = ["R", "G", "B", "A"].into_iter().enumerate().take(if picture.has_alpha { 4 } else { 3 });
-    let colors = colors.map(|(c, name)| AnyChannel::new(name, plane(c)));
+    let channels = if picture.has_alpha { 4 } else { 3 };
+    let colors = |prefix: &'static str, pixels: &[[f32; 4]]| {
+        let plane = |c: usize| FlatSamples::F32(pixels.iter().map(|pixel| pixel[c]).collect());
+        let channel = |(c, name): (usize, &&str)| AnyChannel::new(format!("{prefix}{name}").as_str(), plane(c));
+        ["R", "G", "B", "A"].iter().enumerate().take(channels).map(channel).collect::<Vec<_>>()
+    };
+    let raw = picture.raw.iter().flat_map(|raw| colors("raw.", raw));
     let layers = picture.layers.iter().flat_map(|layer| {
         let channels = layer.kind.channels().iter().zip(&layer.planes);
         channels.map(|(name, values)| {
             AnyChannel::new(format!("{}.{name}", layer.kind.word()).as_str(), FlatSamples::F32(values.clone()))
         })
     });
-    let channels = AnyChannels::sort(colors.chain(layers).collect());
+    let channels = AnyChannels::sort(colors("", &picture.pixels).into_iter().chain(raw).chain(layers).collect());
 
     let mut attributes = LayerAttributes { software_name: Text::new_or_none("Burnish"), ..LayerAttributes::default() };
     // One attribute only: the library keeps others in a map whose order changes from run to run.
@@ -269,6 +280,7 @@ mod tests {
             height: 2,
             pixels: (0..6).map(|i| [i as f32 * 100_000.0, 0.25, 0.0, 0.5]).collect(),
             has_alpha: true,
+            raw: None,
             layers: vec![Layer { kind: LayerKind::Depth, planes: vec![vec![1.0, 2.0, 3.0, f32::INFINITY, 0.0, 1.0]] }],
             job: Some(json!({ "seed": 7, "material": "Käse 🧀" })),
         }
@@ -290,6 +302,24 @@ mod tests {
         };
         let job: serde_json::Value = serde_json::from_str(&job.to_string()).unwrap();
         assert_eq!(Some(job), picture().job);
+    }
+
+    #[test]
+    fn the_raw_picture_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let denoised = Picture { raw: Some(vec![[1.0, 0.5, 0.25, 1.0]; 6]), ..picture() };
+        let exr = folder.path().join("a.exr");
+        write(&exr, &denoised, Display::default()).unwrap();
+        let read = read_all_flat_layers_from_file(&exr).unwrap();
+        let list = &read.layer_data[0].channel_data.list;
+        let green = list.iter().find(|channel| channel.name.to_string() == "raw.G").unwrap();
+        assert!(green.sample_data.values_as_f32().all(|x| x == 0.5));
+        let files = write(&folder.path().join("a.png"), &denoised, Display::default()).unwrap();
+        let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
+        assert_eq!(names, ["a.png", "a.raw.png", "a.depth.png"]);
+        let raw = image::open(&files[1]).unwrap().to_rgba8();
+        assert_eq!(raw.get_pixel(0, 0)[3], 255);
+        assert!(raw.get_pixel(0, 0) == raw.get_pixel(2, 1), "every pixel of it is the same");
     }
 
     #[test]

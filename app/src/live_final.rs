@@ -11,6 +11,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::editor::View;
+use crate::live_denoise::{DenoisedPicture, LiveDenoise};
 
 /// A request that has produced nothing yet is given this long before a newer one takes its place. Otherwise a slow
 /// machine would show nothing for as long as a slider moves.
@@ -26,6 +27,14 @@ pub struct LiveFinal {
     developer: Developer,
     sent: Option<(Arc<Snapshot>, Display)>,
     texture: Option<TextureHandle>,
+    /// What the texture says about itself, where it is denoised.
+    label: Option<String>,
+    /// The newest picture with samples for a denoiser.
+    sampled: Option<Arc<Snapshot>>,
+    /// There while denoising is switched on.
+    denoise: Option<LiveDenoise>,
+    denoised: Option<DenoisedPicture>,
+    problem: Option<String>,
 }
 
 impl LiveFinal {
@@ -42,12 +51,17 @@ impl LiveFinal {
             developer: Developer::new(ctx.clone()),
             sent: None,
             texture: None,
+            label: None,
+            sampled: None,
+            denoise: None,
+            denoised: None,
+            problem: None,
         }
     }
 
     /// Asks for a picture of this scene; the newest request wins.
     pub fn request(&mut self, scene: Arc<Scene>, (width, height): (usize, usize), view: &View) {
-        let settings = Settings { width, height, seed: 0, threads: self.threads, stop: view.stop };
+        let settings = Settings { width, height, seed: 0, threads: self.threads, stop: view.stop, is_adaptive: true };
         self.pending = Some((scene, settings));
     }
 
@@ -58,9 +72,12 @@ impl LiveFinal {
         self.worker.pause();
     }
 
-    /// Sends what is pending, takes the newest picture and has it developed. Once per frame.
-    pub fn update(&mut self, ctx: &Context, display: Display) {
+    /// Sends what is pending, takes the newest picture and has it developed, denoised if that is switched on and done. Once per frame.
+    pub fn update(&mut self, ctx: &Context, display: Display, is_denoise_on: bool) {
         if let Some(snapshot) = self.worker.snapshot() {
+            if snapshot.samples.is_some() {
+                self.sampled = Some(snapshot.clone());
+            }
             self.snapshot = Some(snapshot);
         }
         let shown = self.snapshot.as_ref().map_or(0, |snapshot| snapshot.revision);
@@ -71,14 +88,17 @@ impl LiveFinal {
             self.requested = Some((self.worker.request(scene, settings), Instant::now()));
         }
 
-        if let Some(snapshot) = &self.snapshot {
+        self.denoise(ctx, is_denoise_on);
+        let label = self.denoised.as_ref().map(DenoisedPicture::label);
+        if let Some(snapshot) = self.denoised.as_ref().map(|denoised| &denoised.picture).or(self.snapshot.as_ref()) {
             let is_sent = self.sent.as_ref().is_some_and(|(sent, by)| Arc::ptr_eq(sent, snapshot) && *by == display);
             if !is_sent {
-                self.developer.send(snapshot.clone(), display);
+                self.developer.send((snapshot.clone(), display, label));
                 self.sent = Some((snapshot.clone(), display));
             }
         }
-        if let Some(image) = self.developer.take() {
+        if let Some((image, label)) = self.developer.take() {
+            self.label = label;
             // A coarse picture keeps its blocks: they say honestly how far it is.
             let options = TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
             match &mut self.texture {
@@ -86,6 +106,39 @@ impl LiveFinal {
                 None => self.texture = Some(ctx.load_texture("final view", image, options)),
             }
         }
+    }
+
+    /// Has the newest samples denoised. A denoised picture stays while samples are added to those it was made from; when the scene changes, the
+    /// raw picture comes back until there is a new one.
+    fn denoise(&mut self, ctx: &Context, is_on: bool) {
+        self.denoised = None;
+        self.problem = None;
+        let Some(snapshot) = self.snapshot.as_ref().filter(|_| is_on) else {
+            self.denoise = None;
+            return;
+        };
+        let live = self.denoise.get_or_insert_with(|| LiveDenoise::new(ctx, self.threads));
+        if let Some(sampled) = self.sampled.as_ref().filter(|sampled| sampled.revision == snapshot.revision) {
+            live.send(sampled);
+        }
+        let (picture, problem) = live.state();
+        self.denoised = picture.filter(|picture| picture.raw.revision == snapshot.revision);
+        self.problem = problem;
+    }
+
+    /// What the developed picture says about itself: that it is denoised, by whom and with what error. `None` for the raw picture.
+    pub fn label(&self) -> Option<&str> {
+        self.label.as_deref()
+    }
+
+    /// Why denoising is not done as it should be.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// The denoised picture that is shown, or about to be.
+    pub fn denoised(&self) -> Option<&DenoisedPicture> {
+        self.denoised.as_ref()
     }
 
     /// The developed picture.
@@ -108,10 +161,13 @@ impl LiveFinal {
 /// What the developing thread shares with the window.
 #[derive(Default)]
 struct Tray {
-    job: Option<(Arc<Snapshot>, Display)>,
-    image: Option<ColorImage>,
+    job: Option<DevelopJob>,
+    image: Option<(ColorImage, Option<String>)>,
     is_closing: bool,
 }
+
+/// A picture, how it is shown, and the label that goes with it.
+type DevelopJob = (Arc<Snapshot>, Display, Option<String>);
 
 /// A thread that turns radiance into screen colours; the newest job wins.
 struct Developer {
@@ -131,7 +187,7 @@ impl Developer {
             let (tray, bell) = &*theirs;
             loop {
                 let mut open = lock(tray);
-                let (snapshot, display) = loop {
+                let (snapshot, display, label) = loop {
                     if open.is_closing {
                         return;
                     }
@@ -142,19 +198,19 @@ impl Developer {
                 };
                 drop(open);
                 let image = develop(&snapshot, display);
-                lock(tray).image = Some(image);
+                lock(tray).image = Some((image, label));
                 ctx.request_repaint();
             }
         });
         Self { shared }
     }
 
-    fn send(&self, snapshot: Arc<Snapshot>, display: Display) {
-        lock(&self.shared.0).job = Some((snapshot, display));
+    fn send(&self, job: DevelopJob) {
+        lock(&self.shared.0).job = Some(job);
         self.shared.1.notify_one();
     }
 
-    fn take(&self) -> Option<ColorImage> {
+    fn take(&self) -> Option<(ColorImage, Option<String>)> {
         lock(&self.shared.0).image.take()
     }
 }

@@ -132,6 +132,9 @@ fn unusable_arguments_exit_with_2_and_one_line() {
     fs::create_dir(place.path("folder.asm.ron")).unwrap();
     fs::File::create(place.path("huge.asm.ron")).unwrap().set_len((16 << 20) + 1).unwrap();
     place.write("scenes/plain.json", &SCENE.replace("\"test\"", "\"chalk\""));
+    exr::prelude::write_rgb_file(place.path("other.exr"), 4, 8, |_, _| (0.5_f32, 0.5_f32, 0.5_f32)).unwrap();
+    let nan = |x, y| if (x, y) == (3, 1) { f32::NAN } else { 0.5 };
+    exr::prelude::write_rgb_file(place.path("nan.exr"), 8, 4, |x, y| (0.5_f32, nan(x, y), 0.5_f32)).unwrap();
     let cases: &[(&[&str], &[&str])] = &[
         (&["render"], &["--out"]),
         (&["render", "red.asm.ron"], &["--out"]),
@@ -148,7 +151,7 @@ fn unusable_arguments_exit_with_2_and_one_line() {
         (&["render", "preset:no such thing", "--out", "a.png"], &["presets list"]),
         (&["render", "chair.gltf", "--out", "a.png"], &["chair.gltf", "not in this version"]),
         (&["render", "old.exr", "--out", "a.png"], &["old.exr", "not in this version"]),
-        (&["render", "red.asm.ron", "--denoise", "--out", "a.png"], &["--denoise", "not in this version"]),
+        (&["render", "red.asm.ron", "--denoise=blur", "--out", "a.png"], &["--denoise", "auto, burnish or oidn"]),
         (&["render", "red.asm.ron", "--material", "2", "--out", "a.png"], &["--material", "not in this version"]),
         (&["render", "red.asm.ron", "--set", "roughnes=1", "--out", "a.png"], &["did you mean `roughness`"]),
         (&["render", "red.asm.ron", "--set", "roughness=rough", "--out", "a.png"], &["roughness", "a finite number", "rough"]),
@@ -178,7 +181,25 @@ fn unusable_arguments_exit_with_2_and_one_line() {
         (&["render", "--scene", "scenes/name.json", "--out", "a.png"], &["objects[0].material", "chalk"]),
         (&["render", "red.asm.ron", "--scene", "scenes/plain.json", "--out", "a.png"], &["plain.json", "`test`"]),
         (&["render", "--scene", "scenes/quad.json", "--mesh", "sphere", "--out", "a.png"], &["--mesh", "--scene"]),
-        (&["converge", "red.asm.ron"], &["converge", "not in this version"]),
+        (&["turntable", "red.asm.ron"], &["turntable", "not in this version"]),
+        (&["converge", "red.asm.ron"], &["--out"]),
+        (&["converge", "--json"], &["expected MATERIAL"]),
+        (&["converge", "red.asm.ron", "--out", "a.txt"], &["--out", "a.txt", ".json, .csv or .html"]),
+        (&["converge", "red.asm.ron", "--out", "none/a.csv"], &["none/a.csv", "folder"]),
+        (&["converge", "red.asm.ron", "--json", "--seconds", "-1"], &["--seconds", "above 0"]),
+        (&["converge", "red.asm.ron", "--json", "--spp-max", "0"], &["--spp-max"]),
+        (&["converge", "red.asm.ron", "--json", "--reference", "none.exr"], &["--reference", "none.exr"]),
+        (&["converge", "red.asm.ron", "--json", "--reference", "env/grey.exr"], &["grey.exr", "512 x 512", "8 x 4"]),
+        (&["converge", "red.asm.ron", "--json", "--reference", "a.exr", "--reference-spp", "4"], &["--reference-spp"]),
+        (&["compare", "env/grey.exr"], &["<B>"]),
+        (&["compare", "env/grey.exr", "none.exr"], &["none.exr"]),
+        (&["compare", "env/grey.exr", "red.asm.ron"], &["red.asm.ron", "expected"]),
+        (&["compare", "env/grey.exr", "other.exr"], &["other.exr", "expected 8 x 4", "env/grey.exr", "found 4 x 8"]),
+        (&["compare", "env/grey.exr", "nan.exr"], &["nan.exr", "finite", "column 3 of row 1"]),
+        (&["compare", "env/grey.exr", "env/grey.exr", "--limit", "speed=1"], &["--limit", "relmse, relmse_trimmed, flip_mean"]),
+        (&["compare", "env/grey.exr", "env/grey.exr", "--limit", "flip_mean=x"], &["--limit", "flip_mean", "`x`"]),
+        (&["compare", "env/grey.exr", "env/grey.exr", "--heatmap", "a.exr"], &["--heatmap", "a.exr", ".png"]),
+        (&["compare", "env/grey.exr", "env/grey.exr", "--heatmap", "none/a.png"], &["none/a.png", "folder"]),
         (&["presets"], &["--help"]),
         (&["presets", "show", "no such thing"], &["no such thing", "presets list"]),
         (&["check"], &["PATH"]),
@@ -203,7 +224,15 @@ fn unusable_arguments_exit_with_2_and_one_line() {
 #[test]
 fn help_and_version_exit_with_0() {
     let place = Place::new();
-    for words in [&["--help"][..], &["--version"], &["render", "--help"], &["presets", "--help"], &["check", "--help"]] {
+    for words in [
+        &["--help"][..],
+        &["--version"],
+        &["render", "--help"],
+        &["converge", "--help"],
+        &["compare", "--help"],
+        &["presets", "--help"],
+        &["check", "--help"],
+    ] {
         let run = place.run(words);
         assert_eq!((run.code, run.err.as_str()), (Some(0), ""), "{words:?}");
         assert!(!run.out.is_empty());
@@ -313,6 +342,62 @@ fn exr_holds_layers_and_png_has_them_beside_it() {
     }
     let picture = image::open(place.path("b.png")).unwrap().to_rgba8();
     assert_eq!((picture.get_pixel(16, 16)[3], picture.get_pixel(0, 0)[3]), (255, 0));
+}
+
+#[test]
+fn denoised_pictures_say_so_and_keep_the_raw_one() {
+    let place = Place::new();
+    let words = ["--denoise=burnish", "--spp", "8", "--json"];
+    let render = |more: &[&str]| {
+        let run = place.render(&[&words[..], more].concat());
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        run.json()
+    };
+    let json = render(&["--out", "a.exr"]);
+    assert_eq!(json["denoiser"], "burnish");
+    let [low, relmse, high] =
+        ["relmse_low_denoised", "relmse_estimate_denoised", "relmse_high_denoised"].map(|key| json[key].as_f64().unwrap());
+    assert!(low <= relmse && relmse <= high, "{json}");
+    let channel = |name: &str, channel: &str| -> Vec<f32> {
+        let image = exr::prelude::read_first_flat_layer_from_file(place.path(name)).unwrap();
+        let list = &image.layer_data.channel_data.list;
+        let found = list.iter().find(|known| known.name.to_string() == channel);
+        found.unwrap_or_else(|| panic!("{name}: no {channel}")).sample_data.values_as_f32().collect()
+    };
+    assert!(fs::read(place.path("a.exr")).unwrap().windows(20).any(|text| text == b"\"denoiser\":\"burnish\""[..20].as_ref()));
+    // The raw layer is the picture without the option; the picture itself is another.
+    assert_eq!(place.render(&["--spp", "8", "--out", "b.exr"]).code, Some(0));
+    assert!(channel("a.exr", "raw.R") == channel("b.exr", "R") && channel("a.exr", "R") != channel("b.exr", "R"));
+
+    let json = render(&["--transparent", "--threads", "2", "--out", "c.png"]);
+    let files: Vec<&str> = json["files"].as_array().unwrap().iter().map(|file| file.as_str().unwrap()).collect();
+    assert_eq!(files, ["c.png", "c.raw.png"]);
+    assert_eq!(place.render(&["--transparent", "--spp", "8", "--out", "d.png"]).code, Some(0));
+    let read = |name: &str| fs::read(place.path(name)).unwrap();
+    assert!(read("c.raw.png") == read("d.png") && read("c.png") != read("d.png"));
+    render(&["--transparent", "--threads", "1", "--out", "e.png"]);
+    assert!(read("c.png") == read("e.png"), "threads change the denoised picture");
+
+    // Too few samples, and a library that is not there, are told.
+    let few = place.render(&["--denoise=burnish", "--spp", "3", "--json", "--out", "f.png"]);
+    assert_eq!((few.code, &few.json()["denoiser"]), (Some(0), &Value::Null));
+    assert!(few.err.contains("at least 4 samples") && !place.path("f.raw.png").exists(), "{}", few.err);
+    let mut command = place.command();
+    command.args([
+        "render",
+        "red.asm.ron",
+        "--scene",
+        "scenes/quad.json",
+        "--denoise=oidn",
+        "--spp",
+        "4",
+        "--out",
+        "g.png",
+        "--json",
+    ]);
+    let missing = Run::from(command.env("BURNISH_OIDN", "nowhere.so").output().unwrap());
+    assert_eq!((missing.code, &missing.json()["denoiser"]), (Some(0), &"burnish".into()), "{}", missing.err);
+    assert!(missing.err.contains("nowhere.so") && missing.err.contains("own filter"), "{}", missing.err);
 }
 
 #[test]
@@ -569,4 +654,151 @@ fn features_names_what_switches_each_lobe_and_measures() {
     // With an adapter there are numbers, without one a reason.
     let has_preview = json["preview_ms"].is_number() && json["preview_full_ms"].is_number() && json["compile_ms"].is_number();
     assert!(has_preview != json["preview_reason"].is_string(), "{json}");
+}
+
+#[test]
+fn compare_tells_how_far_pictures_are_apart() {
+    let place = Place::new();
+    let write = |name: &str, value: f32| {
+        exr::prelude::write_rgb_file(place.path(name), 96, 8, |_, _| (value, 0.5 * value, 0.25_f32)).unwrap();
+    };
+    write("a.exr", 0.5);
+    write("b.exr", 0.4);
+    let same = place.run(&["compare", "a.exr", "a.exr", "--limit", "relmse=0", "--limit", "flip_p99=0", "--json"]);
+    assert_eq!((same.code, same.err.as_str()), (Some(0), ""));
+    let json = same.json();
+    for key in ["relmse", "relmse_trimmed", "flip_mean", "flip_p99"] {
+        assert_eq!(json[key], 0.0, "{key}: {json}");
+    }
+    let json = place.run(&["compare", "a.exr", "b.exr", "--json", "--heatmap", "map.png"]).json();
+    let number = |key: &str| json[key].as_f64().unwrap();
+    let expected = (0.01 / (0.16 + 0.01) + 0.0025 / (0.04 + 0.01)) / 3.0;
+    assert!((number("relmse") - expected).abs() < 1e-6 && (number("relmse_trimmed") - expected).abs() < 1e-6, "{json}");
+    assert!(number("flip_mean") > 0.0 && (number("flip_mean") - number("flip_p99")).abs() < 1e-6, "{json}");
+    assert!((number("mean_a") - (0.5 + 0.25 + 0.25) / 3.0).abs() < 1e-6, "{json}");
+    assert!((number("mean_b") - (0.4 + 0.2 + 0.25) / 3.0).abs() < 1e-6, "{json}");
+    let map = image::open(place.path("map.png")).unwrap();
+    assert_eq!((map.width(), map.height()), (96, 8 + 16));
+
+    let over = place.run(&["compare", "a.exr", "b.exr", "--limit", "relmse=1%", "--limit", "flip_mean=1"]);
+    assert_eq!(over.code, Some(1), "{}", over.err);
+    assert!(over.out.contains("relmse: ") && over.out.contains("is over 0.0001"), "{}", over.out);
+    assert!(!over.out.contains("flip_mean: "), "{}", over.out);
+    let json = place.run(&["compare", "a.exr", "b.exr", "--limit", "relmse=1%", "--limit", "flip_mean=1", "--json"]);
+    assert_eq!(json.code, Some(1));
+    assert_eq!((&json.json()["limits"][0]["holds"], &json.json()["limits"][1]["holds"]), (&false.into(), &true.into()));
+}
+
+#[test]
+fn compare_takes_the_picture_of_a_file_with_layers_and_pictures_of_a_display() {
+    let place = Place::new();
+    for (name, words) in [("layers.exr", &["--aov", "albedo,normal,variance"][..]), ("plain.exr", &[]), ("plain.png", &[])] {
+        assert_eq!(place.render(&[words, &["--spp", "4", "--out", name][..]].concat()).code, Some(0));
+    }
+    let json = place.run(&["compare", "layers.exr", "plain.exr", "--json"]).json();
+    assert_eq!((&json["relmse"], &json["width"]), (&0.0.into(), &32.into()), "{json}");
+    // What the display shows of radiance is what the PNG holds, up to the rounding of its bytes.
+    let json = place.run(&["compare", "plain.exr", "plain.png", "--json"]).json();
+    assert!(json["flip_mean"].as_f64().unwrap() < 0.02, "{json}");
+    let shifted = place.run(&["compare", "plain.exr", "plain.png", "--exposure", "1", "--json"]).json();
+    assert!(shifted["flip_mean"].as_f64().unwrap() > 0.05, "{shifted}");
+}
+
+#[test]
+fn converge_writes_the_curve_in_three_formats() {
+    let place = Place::new();
+    let curve = |words: &[&str]| {
+        let scene = ["converge", "--scene", "scenes/quad.json", "--size", "32x32", "--spp-max", "64", "--set", "roughness=0.2"];
+        let run = place.run(&[&scene[..], words].concat());
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        run
+    };
+    let run = curve(&["--out", "a.json", "--json"]);
+    assert_eq!(run.err, "");
+    assert_eq!(fs::read_to_string(place.path("a.json")).unwrap(), run.out, "the file holds what is printed");
+    let json = run.json();
+    let rows = json["rows"].as_array().unwrap();
+    let spp: Vec<u64> = rows.iter().map(|row| row["spp"].as_u64().unwrap()).collect();
+    assert_eq!(spp, [1, 4, 8, 16, 32, 64]);
+    let values = |key: &str| rows.iter().map(|row| row[key].as_f64().unwrap_or(f64::NAN)).collect::<Vec<_>>();
+    assert!(values("seconds").is_sorted() && values("seconds")[0] > 0.0, "{json}");
+    let errors = values("relmse");
+    assert!(errors[5] < 0.2 * errors[1] && errors[5] > 0.0, "{errors:?}");
+    assert!(values("flip")[5] < values("flip")[0] && values("relmse_trimmed")[1] <= errors[1], "{json}");
+    // The renderer's own estimate tells the same as the comparison; one sample has none.
+    assert!(rows[0]["relmse_estimate"].is_null());
+    let ratio = values("relmse_estimate")[5] / errors[5];
+    assert!((0.5..2.0).contains(&ratio), "{ratio}: {json}");
+    let reference = &json["reference"];
+    assert_eq!((&reference["kind"], &reference["spp"], &reference["is_subtracted"]), (&"own".into(), &512.into(), &true.into()));
+    assert!(reference["seed"] != json["seed"] && reference["relmse_of_reference"].as_f64().unwrap() < 0.3 * errors[5], "{json}");
+    assert!(json["slope"].as_f64().unwrap() >= 0.8 && json["targets"][1]["relmse"] == 0.001, "{json}");
+
+    let text = curve(&["--out", "a.csv", "--threads", "1"]).out;
+    assert!(text.contains("relMSE 0.001: ") && text.contains("a.csv"), "{text}");
+    let csv = fs::read_to_string(place.path("a.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 7);
+    let fields = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+    let last = fields(csv.lines().last().unwrap());
+    assert_eq!(fields(csv.lines().next().unwrap()).len(), last.len());
+    let error: f64 = last[6].parse().unwrap();
+    assert!(last[2] == "64" && (error / errors[5] - 1.0).abs() < 1e-12, "threads change nothing but seconds: {error} {errors:?}");
+
+    curve(&["--out", "a.html"]);
+    let html = fs::read_to_string(place.path("a.html")).unwrap();
+    for text in
+        ["<svg", "role=\"img\"", "<title id=", "<desc id=", "class=\"band\"", "<table>", "Slope", "prefers-color-scheme: dark"]
+    {
+        assert!(html.contains(text), "{text}");
+    }
+    for text in ["http:", "https:", "src=", "<link", "@import", "<script", "NaN", "inf"] {
+        assert!(!html.contains(text), "{text}: the page needs nothing beside itself");
+    }
+    assert_eq!(html.matches("<tr>").count(), 7);
+}
+
+#[test]
+fn converge_takes_a_reference_from_a_file() {
+    let place = Place::new();
+    let render = |name: &str, words: &[&str]| {
+        assert_eq!(place.render(&[words, &["--spp", "256", "--out", name][..]].concat()).code, Some(0));
+    };
+    let curve = |reference: &str| {
+        let words = ["converge", "--scene", "scenes/quad.json", "--size", "32x32", "--spp-max", "32", "--json"];
+        let run = place.run(&[&words[..], &["--reference", reference]].concat());
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        (run.json(), run.err)
+    };
+    render("with.exr", &["--seed", "9", "--aov", "variance"]);
+    render("without.exr", &["--seed", "9"]);
+    render("same.exr", &["--aov", "variance"]);
+    let last = |json: &Value| json["rows"][4]["relmse"].as_f64().unwrap();
+    let (with, err) = curve("with.exr");
+    assert_eq!(err, "");
+    let reference = &with["reference"];
+    assert_eq!((&reference["kind"], &reference["seed"], &reference["spp"]), (&"file".into(), &9.into(), &256.into()), "{with}");
+    let (without, err) = curve("without.exr");
+    assert!(err.contains("without.exr") && err.contains("variance"), "{err}");
+    assert_eq!(without["reference"]["is_subtracted"], false);
+    assert!(last(&with) < last(&without), "the noise of the reference is taken off");
+    let (same, err) = curve("same.exr");
+    assert!(err.contains("same.exr") && err.contains("seed 0"), "{err}");
+    assert!(last(&same) < last(&with));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_curve_exits_with_130_and_leaves_nothing() {
+    let place = Place::new();
+    let before = place.names();
+    let words = ["converge", "--scene", "scenes/quad.json", "--seconds", "600", "--out", "a.html"];
+    let mut command = place.command();
+    let command = command.args(words).stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let code = child.wait().unwrap().code();
+    let run: Run = child.wait_with_output().unwrap().into();
+    assert_eq!((code, run.out.as_str()), (Some(130), ""), "{}", run.err);
+    assert_eq!(place.names(), before);
 }

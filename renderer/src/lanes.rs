@@ -2,7 +2,7 @@
 //!
 //! `f32` is the readable reference and the twin of the WGSL, `f64` the double-precision check, [`Wide`] and its twin for AVX-512 what
 //! the path tracer runs. All lane operations are plain IEEE operations in a fixed order and nothing is contracted, so every width and
-//! every instruction set gives the same bits. The only place with `unsafe`: calling a function compiled for more instructions, and
+//! every instruction set gives the same bits. `unsafe` here: calling a function compiled for more instructions, and
 //! the instructions themselves.
 
 use std::fmt::Debug;
@@ -74,9 +74,9 @@ pub trait Lanes:
     fn lane(self, i: usize) -> f32;
     /// Applies a function to every lane.
     fn map(self, f: impl Fn(f64) -> f64) -> Self;
-    /// Reads `table[index]` per lane; the index is a whole number, clamped into the table.
+    /// Reads `table[index]` per lane; the index is a whole number, clamped into the table. An empty one gives zeros.
     fn gather(table: &[f32], index: Self) -> Self;
-    /// Reads `table[index[i]]` in lane `i`; indices are clamped into the table, and an empty one gives zeros.
+    /// Reads `table[index[i]]` in lane `i`; indices are clamped into the table. An empty one gives zeros.
     fn gather_at(table: &[f32], index: &[usize; MAX_LANES]) -> Self;
     /// Square root; negative arguments count as 0.
     fn sqrt(self) -> Self;
@@ -192,8 +192,7 @@ macro_rules! scalar_lanes {
             }
             #[inline(always)]
             fn gather(table: &[f32], index: Self) -> Self {
-                let last = table.len() - 1;
-                Self::from(table[(index as usize).min(last)])
+                table.get(index as usize).or(table.last()).map_or(0.0, |x| Self::from(*x))
             }
             #[inline(always)]
             fn gather_at(table: &[f32], index: &[usize; MAX_LANES]) -> Self {

@@ -5,7 +5,9 @@
 
 pub mod bsdf;
 pub mod bvh;
+pub mod denoise;
 pub mod lanes;
+pub mod metrics;
 pub mod path;
 pub mod preview;
 pub mod scene;

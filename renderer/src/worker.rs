@@ -3,8 +3,9 @@
 //! A request shows a coarse picture first (some milliseconds), then finer ones, then passes at full resolution until a rule ends
 //! them; the finished picture stays until the next request. Trees and tables are kept from request to request.
 
-use crate::path::render::Plan;
-use crate::path::{ErrorEstimate, Film, PassStats, Prepared, Settings, StopReason, render_pass};
+use crate::denoise;
+use crate::path::render::Run;
+use crate::path::{ErrorEstimate, ErrorPoint, Film, PassStats, Prepared, Settings, StopReason, render_pass};
 use crate::scene::Scene;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -37,12 +38,23 @@ pub struct Snapshot {
     pub samples_per_second: f64,
     /// Why rendering ended; `None` while it goes on.
     pub done: Option<StopReason>,
-    /// Seconds and estimated error after each pass.
-    pub history: Vec<(f64, f64)>,
+    /// The estimates of the error so far.
+    pub history: Vec<ErrorPoint>,
     /// Contributions dropped because they were not finite or negative.
     pub nonfinite: u64,
     /// Seconds from the request being taken up to its first picture.
     pub first_image_seconds: f64,
+    /// What a denoiser works on: at full resolution, whenever the samples have doubled and at the end.
+    pub samples: Option<Samples>,
+}
+
+/// What a denoiser works on.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    /// The scene, for its guides.
+    pub prepared: Arc<Prepared>,
+    /// The replicates.
+    pub input: Arc<denoise::Input>,
 }
 
 /// A background renderer. Dropping it ends its thread.
@@ -144,7 +156,7 @@ impl Shared {
 
 /// The thread: waits for requests and works on the newest one.
 fn run(shared: &Shared) {
-    let mut prepared: Option<Prepared> = None;
+    let mut prepared: Option<Arc<Prepared>> = None;
     loop {
         let mut state = shared.lock();
         let request = loop {
@@ -159,7 +171,7 @@ fn run(shared: &Shared) {
         drop(state);
         let (revision, scene, settings) = request;
         let start = Instant::now();
-        let made = Prepared::new(&scene, prepared.as_ref());
+        let made = Arc::new(Prepared::new(&scene, prepared.as_deref()));
         let job = Job { shared, prepared: &made, revision, settings, start };
         // `None` means that a newer request waits.
         let _ = job.run();
@@ -170,7 +182,7 @@ fn run(shared: &Shared) {
 /// One request being worked on.
 struct Job<'a> {
     shared: &'a Shared,
-    prepared: &'a Prepared,
+    prepared: &'a Arc<Prepared>,
     revision: u64,
     settings: Settings,
     start: Instant,
@@ -196,45 +208,41 @@ impl Job<'_> {
             self.publish(snapshot)?;
             scale /= 2;
         }
-        let mut film = Film::new(width, height);
-        let mut plan = Plan::new(self.settings.stop);
-        let mut total = PassStats::default();
-        let mut seconds = 0.0;
-        let mut history = Vec::new();
-        let mut error = None;
+        let settings = Settings { width, height, threads: self.shared.threads, ..self.settings };
+        let mut run = Run::new(self.prepared, settings);
         loop {
-            let next = plan.next(film.spp(), seconds, error.as_ref());
-            let Ok(step) = next else {
-                let rate = total.samples as f64 / f64::max(seconds, 1e-9);
-                let last = Snapshot {
-                    done: next.err(),
-                    error,
-                    history,
-                    first_image_seconds: first_image_seconds.unwrap_or_default(),
-                    ..self.snapshot(&film, &total, seconds, rate)
-                };
-                return self.publish(last);
+            let done = match run.step(&|| self.is_stale()) {
+                Ok(()) => None,
+                Err(StopReason::Cancelled) => return None,
+                Err(reason) => Some(reason),
             };
-            let begin = Instant::now();
-            total.add(&self.pass(&mut film, step)?);
-            seconds += begin.elapsed().as_secs_f64();
-            error = film.error();
-            history.extend(error.map(|e| (seconds, e.relmse)));
             let first = *first_image_seconds.get_or_insert_with(|| self.start.elapsed().as_secs_f64());
-            let rate = total.samples as f64 / seconds.max(1e-9);
             let snapshot = Snapshot {
-                error,
-                history: history.clone(),
+                error: run.error,
+                history: run.history.clone(),
                 first_image_seconds: first,
-                ..self.snapshot(&film, &total, seconds, rate)
+                samples: if done.is_some() || run.film.spp().is_power_of_two() { self.samples(&run.film) } else { None },
+                done,
+                ..self.snapshot(&run.film, &run.stats, run.seconds, run.samples_per_second())
             };
             self.publish(snapshot)?;
+            if done.is_some() {
+                return Some(());
+            }
         }
     }
 
+    fn is_stale(&self) -> bool {
+        self.shared.is_stale(self.revision)
+    }
+
     fn pass(&self, film: &mut Film, spp: u32) -> Option<PassStats> {
-        let cancel = || self.shared.is_stale(self.revision);
-        render_pass(self.prepared, film, spp, self.settings.seed, self.shared.threads, &cancel)
+        render_pass(self.prepared, film, spp, self.settings.seed, self.shared.threads, &|| self.is_stale())
+    }
+
+    fn samples(&self, film: &Film) -> Option<Samples> {
+        let input = Arc::new(denoise::Input::of(film)?);
+        Some(Samples { prepared: self.prepared.clone(), input })
     }
 
     fn publish(&self, snapshot: Snapshot) -> Option<()> {
@@ -257,6 +265,7 @@ impl Job<'_> {
             history: Vec::new(),
             nonfinite: stats.nonfinite + stats.negative,
             first_image_seconds: 0.0,
+            samples: None,
         }
     }
 }
@@ -278,7 +287,14 @@ mod tests {
     }
 
     fn settings(spp: Option<u32>) -> Settings {
-        Settings { width: 200, height: 150, seed: 1, threads: 1, stop: StopRules { spp, ..StopRules::default() } }
+        Settings {
+            width: 200,
+            height: 150,
+            seed: 1,
+            threads: 1,
+            stop: StopRules { spp, ..StopRules::default() },
+            is_adaptive: false,
+        }
     }
 
     /// Waits for a snapshot; gives up after a minute.

@@ -1,5 +1,6 @@
 //! What several tests need: cases, scenes, quadrature, the GPU.
 
+pub mod coverage;
 pub mod gpu;
 pub mod materials;
 pub mod number;

@@ -115,7 +115,8 @@ fn a_dispersive_ball_before_white_is_white() {
     scene.objects.retain(|o| o.is_document);
     scene.max_bounces = 64;
     let stop = StopRules { spp: Some(64), ..StopRules::default() };
-    let rendering = render(&scene, &Settings { width: 32, height: 32, seed: 7, threads: 2, stop }, &mut |_| true);
+    let rendering =
+        render(&scene, &Settings { width: 32, height: 32, seed: 7, threads: 2, stop, is_adaptive: false }, &mut |_| true);
     let found = mean(&rendering.film);
     assert!(found.iter().all(|c| (c - 1.0).abs() < 0.004), "{found:?}");
 }

@@ -16,7 +16,8 @@ const AZIMUTH: f64 = 0.7;
 
 fn picture(scene: &Scene, spp: u32) -> [f64; 3] {
     let stop = StopRules { spp: Some(spp), ..StopRules::default() };
-    let rendering = render(scene, &Settings { width: 32, height: 32, seed: 7, threads: 2, stop }, &mut |_| true);
+    let rendering =
+        render(scene, &Settings { width: 32, height: 32, seed: 7, threads: 2, stop, is_adaptive: false }, &mut |_| true);
     assert_eq!(rendering.nonfinite, 0, "non-finite samples");
     mean(&rendering.film)
 }

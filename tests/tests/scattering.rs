@@ -60,7 +60,8 @@ fn reflectance(material: Material, mesh: Mesh, spp: u32) -> [f64; 3] {
     let camera = Camera { origin: Vec3::new(0.0, 40.0, 0.0), target: Vec3::ZERO, up: Vec3::Z, fov_deg: 0.1 };
     let scene = Scene { objects: vec![object], environment: environment(&[1.0; 8]), camera, max_bounces: 256 };
     let stop = StopRules { spp: Some(spp), ..StopRules::default() };
-    let rendering = render(&scene, &Settings { width: 32, height: 32, seed: 7, threads: 2, stop }, &mut |_| true);
+    let rendering =
+        render(&scene, &Settings { width: 32, height: 32, seed: 7, threads: 2, stop, is_adaptive: false }, &mut |_| true);
     assert_eq!(rendering.nonfinite, 0);
     mean(&rendering.film)
 }
@@ -106,7 +107,8 @@ fn a_white_body_before_white_is_white() {
         scene.objects.retain(|o| o.is_document);
         scene.max_bounces = 1024;
         let stop = StopRules { spp: Some(32), ..StopRules::default() };
-        let rendering = render(&scene, &Settings { width: 24, height: 24, seed: 7, threads: 2, stop }, &mut |_| true);
+        let rendering =
+            render(&scene, &Settings { width: 24, height: 24, seed: 7, threads: 2, stop, is_adaptive: false }, &mut |_| true);
         let found = mean(&rendering.film);
         println!("{name}: {found:?}, {:.1} s", rendering.seconds);
         assert!(found.iter().all(|x| (x - 1.0).abs() < 0.01), "{name}: {found:?}");

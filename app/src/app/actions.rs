@@ -7,6 +7,8 @@ use crate::editor::{Document, View, ViewMode};
 use crate::export::{self, Picture};
 use crate::files::{self, OpenedMaterial};
 use crate::history::History;
+use crate::live_denoise::DenoisedPicture;
+use crate::live_final::LiveFinal;
 use crate::loading::{Done, Job, Loaded};
 use crate::panels::viewport;
 use burnish_assets::{is_environment_path, is_image_path, is_model_path};
@@ -85,6 +87,7 @@ impl App {
             }
             Command::ExposureUp => view.display.exposure_ev = third(view.display.exposure_ev + EXPOSURE_STEP),
             Command::ExposureDown => view.display.exposure_ev = third(view.display.exposure_ev - EXPOSURE_STEP),
+            Command::ToggleDenoise => view.is_denoise_on = !view.is_denoise_on,
             Command::TogglePanels => view.are_panels_shown = !view.are_panels_shown,
             Command::ToggleChart => view.is_chart_shown = !view.is_chart_shown,
             Command::ToggleStability => view.is_stability_shown = !view.is_stability_shown,
@@ -234,24 +237,31 @@ impl App {
 
     /// Writes the picture that is shown, on a thread of its own.
     fn write_picture(&mut self, path: PathBuf, ctx: &Context) {
-        let shown = self.final_view.as_ref().filter(|_| self.editor.view.mode.has_final()).and_then(|view| view.newest());
-        let (width, height, pixels, has_alpha) = match shown {
-            Some(snapshot) => (snapshot.width, snapshot.height, snapshot.pixels.clone(), false),
-            None => match self.preview.read_linear() {
-                Ok((width, height, pixels)) => (width as usize, height as usize, pixels, false),
+        let view = self.final_view.as_ref().filter(|_| self.editor.view.mode.has_final());
+        let denoised = view.and_then(LiveFinal::denoised);
+        let picture = if let Some(denoised) = denoised {
+            denoised_picture(denoised)
+        } else if let Some(snapshot) = view.and_then(LiveFinal::newest) {
+            Picture { width: snapshot.width, height: snapshot.height, pixels: snapshot.pixels.clone(), ..Picture::default() }
+        } else {
+            match self.preview.read_linear() {
+                Ok((width, height, pixels)) => {
+                    Picture { width: width as usize, height: height as usize, pixels, ..Picture::default() }
+                }
                 Err(problem) => {
                     self.messages.error(format!("The picture was not written: {problem}."));
                     return;
                 }
-            },
+            }
         };
-        let picture = Picture { width, height, pixels, has_alpha, ..Picture::default() };
+        let (width, height) = (picture.width, picture.height);
+        let note = denoised.map_or_else(String::new, |denoised| format!(". {}; the raw picture is kept", denoised.label()));
         let (display, sender, ctx) = (self.editor.view.display, self.writer.clone(), ctx.clone());
         std::thread::spawn(move || {
             let result = export::write(&path, &picture, display)
                 .map(|written| {
                     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-                    format!("Wrote {} ({width} × {height})", names.join(", "))
+                    format!("Wrote {} ({width} × {height}){note}", names.join(", "))
                 })
                 .map_err(|error| error.to_string());
             let _ = sender.send(result);
@@ -424,6 +434,25 @@ impl App {
             ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
         }
+    }
+}
+
+/// A denoised picture for a file: the raw one goes with it, and the job says who denoised.
+fn denoised_picture(denoised: &DenoisedPicture) -> Picture {
+    let picture = &denoised.picture;
+    let job = serde_json::json!({
+        "program": concat!("Burnish ", env!("CARGO_PKG_VERSION")),
+        "view": "final",
+        "spp": picture.spp,
+        "denoiser": denoised.denoiser,
+    });
+    Picture {
+        width: picture.width,
+        height: picture.height,
+        pixels: picture.pixels.clone(),
+        raw: Some(denoised.raw.pixels.clone()),
+        job: Some(job),
+        ..Picture::default()
     }
 }
 

@@ -4,6 +4,8 @@
 //! Exit codes: 0 done, 1 findings, 2 unusable input or arguments, 130 interrupted.
 
 pub mod check;
+pub mod compare;
+pub mod converge;
 pub mod features;
 mod interrupt;
 mod material_argument;
@@ -15,6 +17,7 @@ mod set;
 pub mod stability;
 mod suggest;
 mod switches;
+mod target;
 mod window;
 
 use clap::{Parser, Subcommand};
@@ -24,7 +27,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["converge", "compare", "parity", "diff", "convert", "shader", "library", "turntable"];
+const LATER_COMMANDS: &[&str] = &["parity", "diff", "convert", "shader", "library", "turntable"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -45,6 +48,10 @@ struct Arguments {
 enum Command {
     /// Renders one picture
     Render(Box<render::RenderArguments>),
+    /// Measures error against run time
+    Converge(Box<converge::ConvergeArguments>),
+    /// Tells how far a picture is from another
+    Compare(compare::CompareArguments),
     /// Lists, shows and searches the built-in materials
     Presets(presets::PresetsArguments),
     /// Checks material files, or all in a folder: whether they can be read, and ranges
@@ -127,7 +134,7 @@ pub fn main() -> ExitCode {
         && !Path::new(word).exists()
     {
         return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, presets, check, features, stability or files to open"
+            "`{word}` is not in this version; expected render, converge, compare, presets, check, features, stability or files to open"
         ))));
     }
     let arguments = match Arguments::try_parse_from(words) {
@@ -142,6 +149,8 @@ pub fn main() -> ExitCode {
             interrupt::listen();
             match command {
                 Command::Render(arguments) => render::run(&arguments),
+                Command::Converge(arguments) => converge::run(&arguments),
+                Command::Compare(arguments) => compare::run(&arguments),
                 Command::Presets(arguments) => presets::run(&arguments),
                 Command::Check(arguments) => check::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),

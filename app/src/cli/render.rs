@@ -5,9 +5,10 @@
 use super::material_argument::LoadedMaterial;
 use super::progress_line::ProgressLine;
 use super::scene_options::{LoadedScene, SceneOptions, positive};
-use super::{CliError, Messages, Outcome, interrupt, print_out};
+use super::{CliError, Messages, Outcome, interrupt, print_out, target};
 use crate::export::{self, Format, Layer, LayerKind, Picture};
 use burnish_material::{LOBES, Lobe, LobeSet, Material, MaterialFile, Property, TextureRef};
+use burnish_renderer::denoise::{self, DenoiseError, Denoiser, Oidn};
 use burnish_renderer::path::{self, ErrorEstimate, Film, Prepared, Progress, Settings, StopReason, StopRules};
 use burnish_renderer::preview::{self, Preview};
 use burnish_renderer::scene::Scene;
@@ -47,21 +48,28 @@ pub struct RenderArguments {
     /// Stops when the estimated relMSE is below this; a percentage is its square root (2% = 0.0004)
     #[arg(long, value_name = "RELMSE", allow_hyphen_values = true, value_parser = relmse)]
     pub error: Option<f64>,
+    /// Gives every pixel the same number of samples
+    #[arg(long)]
+    no_adaptive: bool,
     /// Further layers: channels of an .exr, or files NAME.LAYER.png beside a .png
     #[arg(long, value_name = "albedo,normal,depth,variance,samples", value_delimiter = ',', value_parser = layer)]
     aov: Vec<LayerKind>,
     /// Leaves lobes out also where they are needed, to see what they add (names: `burnish features`)
     #[arg(long, value_name = "LOBE,...", value_delimiter = ',', value_parser = lobe)]
     without: Vec<Lobe>,
+    /// Finds caustics by paths from the camera alone, to see what tracing them from the light is worth
+    #[arg(long)]
+    no_photons: bool,
     /// Leaves the background out; the picture gets an alpha channel
     #[arg(long)]
     transparent: bool,
     /// How radiance becomes colours in a .png
     #[arg(long, value_name = "neutral|agx|aces|standard", default_value = "neutral", value_parser = transform)]
     display_transform: DisplayTransform,
-    /// Not in this version
-    #[arg(long, hide = true)]
-    denoise: bool,
+    /// Writes the picture denoised and the raw one beside it: NAME.raw.png, or channels raw.R, raw.G, raw.B of an .exr;
+    /// auto is Open Image Denoise where it is installed (BURNISH_OIDN may say where), else the own filter
+    #[arg(long, value_name = "auto|burnish|oidn", num_args = 0..=1, require_equals = true, default_missing_value = "auto", value_parser = denoiser)]
+    denoise: Option<Denoise>,
     /// Not in this version
     #[arg(long = "material", value_name = "NAME|INDEX", hide = true)]
     choice: Option<String>,
@@ -86,6 +94,24 @@ enum View {
     Preview,
 }
 
+/// Which filter `--denoise` takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Denoise {
+    Auto,
+    Own,
+    Oidn,
+}
+
+/// What is told about a denoised picture.
+struct DenoiseReport {
+    denoiser: String,
+    seconds: f64,
+    error: ErrorEstimate,
+}
+
+/// Linear radiance without noise, and what is told about it.
+type DenoisedFilm = (Vec<[f32; 3]>, DenoiseReport);
+
 /// A picture and what is told about its making.
 struct Rendered {
     picture: Picture,
@@ -95,6 +121,8 @@ struct Rendered {
     load_seconds: f64,
     stop_reason: &'static str,
     error: Option<ErrorEstimate>,
+    /// `None` where the picture is the raw one.
+    denoised: Option<DenoiseReport>,
     nonfinite: u64,
     lobes: LobeSet,
 }
@@ -138,11 +166,8 @@ fn render(arguments: &RenderArguments, default: Option<LoadedMaterial>) -> Resul
 
 /// Options of the contract whose engine comes later.
 fn refuse_later_options(arguments: &RenderArguments) -> Result<(), CliError> {
-    let later = [("--denoise", arguments.denoise), ("--material", arguments.choice.is_some())];
-    match later.iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => {
-            Err(CliError::unusable(format!("{option}: not in this version; expected the options that --help lists")))
-        }
+    match arguments.choice {
+        Some(_) => Err(CliError::unusable("--material: not in this version; expected the options that --help lists")),
         None => Ok(()),
     }
 }
@@ -152,18 +177,7 @@ fn refuse_target(path: &Path) -> Result<(), CliError> {
     if Format::of(path).is_none() {
         return Err(CliError::unusable(export::ExportError::UnknownFormat { path: path.to_path_buf() }));
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(CliError::unusable(format!(
-            "--out: {}: expected a folder that exists: {}",
-            path.display(),
-            folder.display()
-        )));
-    }
-    if path.is_dir() {
-        return Err(CliError::unusable(format!("--out: {}: expected a file, found a folder", path.display())));
-    }
-    Ok(())
+    target::refuse_target("--out", path)
 }
 
 fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Messages) -> Result<Rendered, CliError> {
@@ -178,11 +192,13 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         seed: arguments.scene.seed,
         threads: arguments.scene.threads(),
         stop: StopRules { spp, seconds: arguments.time, relmse: arguments.error },
+        is_adaptive: !arguments.no_adaptive,
     };
     let mut line = ProgressLine::new();
     let less = arguments.without.iter().fold(LobeSet::EMPTY, |set, lobe| set.with(*lobe));
     let start = Instant::now();
     let prepared = Prepared::with_lobes(&loaded.scene, None, LobeSet::EMPTY, less);
+    let prepared = if arguments.no_photons { prepared.without_photons() } else { prepared };
     let rendering = path::render_prepared(&prepared, &settings, start, &mut |progress| {
         line.show(|| progress_text(progress));
         !interrupt::is_interrupted()
@@ -192,7 +208,17 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
         return Err(CliError::Interrupted);
     }
     let film = &rendering.film;
-    let pixels = if arguments.transparent { without_background(&loaded.scene, film) } else { opaque(&film.mean()) };
+    let developed = |mean: &[[f32; 3]]| {
+        if arguments.transparent { without_background(&loaded.scene, mean, film) } else { opaque(mean) }
+    };
+    let mut pixels = developed(&film.mean());
+    let (mut raw, mut denoised) = (None, None);
+    if let Some(choice) = arguments.denoise
+        && let Some((picture, report)) = denoise_film(choice, film, &prepared, settings.threads, messages)?
+    {
+        raw = Some(std::mem::replace(&mut pixels, developed(&picture)));
+        denoised = Some(report);
+    }
     let mut layers = Vec::new();
     if !arguments.aov.is_empty() {
         let surfaces = surfaces(arguments, loaded);
@@ -205,22 +231,61 @@ fn final_view(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut 
                 LayerKind::Normal => split(&surfaces.normal),
                 LayerKind::Depth => vec![surfaces.depth.clone()],
                 LayerKind::Variance => split(&film.variance()),
-                LayerKind::Samples => vec![vec![film.spp() as f32; loaded.width * loaded.height]],
+                LayerKind::Samples => vec![film.samples().into_iter().map(|count| count as f32).collect()],
             };
             layers.push(Layer { kind: *kind, planes });
         }
     }
     Ok(Rendered {
-        picture: Picture { width: loaded.width, height: loaded.height, pixels, layers, ..Picture::default() },
+        picture: Picture { width: loaded.width, height: loaded.height, pixels, raw, layers, ..Picture::default() },
         spp: film.spp(),
         seconds: rendering.seconds,
         first_image_seconds: rendering.first_image_seconds,
         load_seconds: rendering.load_seconds,
         stop_reason: rendering.stop_reason.word(),
-        error: film.error(),
+        error: rendering.error,
+        denoised,
         nonfinite: rendering.nonfinite,
         lobes: lobes(&loaded.scene, LobeSet::of).minus(less),
     })
+}
+
+/// The denoised mean of a film and what is told about it. `None`, with a warning, where there are too few samples.
+fn denoise_film(
+    choice: Denoise,
+    film: &Film,
+    prepared: &Prepared,
+    threads: usize,
+    messages: &mut Messages,
+) -> Result<Option<DenoisedFilm>, CliError> {
+    let Some(input) = denoise::Input::of(film) else {
+        let replicates = path::REPLICATES;
+        messages.warn(format!(
+            "--denoise: expected at least {replicates} samples per pixel, found {}; the picture is not denoised",
+            film.spp()
+        ));
+        return Ok(None);
+    };
+    let start = Instant::now();
+    let (denoiser, problem) = match choice {
+        Denoise::Auto => Denoiser::best(),
+        Denoise::Own => (Denoiser::Own, None),
+        Denoise::Oidn => match Oidn::find() {
+            Ok(oidn) => (Denoiser::Oidn(oidn), None),
+            Err(error) => (Denoiser::Own, Some(error)),
+        },
+    };
+    if let Some(problem) = problem {
+        messages.warn(format!("--denoise: {problem}; the own filter is used"));
+    }
+    let guides = denoise::Guides::new(prepared, film.width, film.height);
+    let cancel = || interrupt::is_interrupted();
+    let denoised = denoiser.run(&input, &guides, threads, &cancel).map_err(|error| match error {
+        DenoiseError::Cancelled => CliError::Interrupted,
+        DenoiseError::Oidn(_) => CliError::unusable(format!("--denoise: {error}")),
+    })?;
+    let report = DenoiseReport { denoiser: denoiser.name(), seconds: start.elapsed().as_secs_f64(), error: denoised.error };
+    Ok(Some((denoised.pixels, report)))
 }
 
 /// What the path tracer leaves out, other than images that are not there: loading told each with its reason.
@@ -246,7 +311,7 @@ fn opaque(mean: &[[f32; 3]]) -> Vec<[f32; 4]> {
 ///
 /// A film does not keep apart what arrived from where, so at edges the environment's mean over the pixel is taken off by
 /// the share of samples that met nothing. That is exact where the environment is smooth within a pixel.
-fn without_background(scene: &Scene, film: &Film) -> Vec<[f32; 4]> {
+fn without_background(scene: &Scene, mean: &[[f32; 3]], film: &Film) -> Vec<[f32; 4]> {
     /// Directions per side of a pixel.
     const GRID: usize = 4;
     let (width, height) = (film.width, film.height);
@@ -259,7 +324,7 @@ fn without_background(scene: &Scene, film: &Film) -> Vec<[f32; 4]> {
         });
         sum / (GRID * GRID) as f32
     };
-    let pixels = film.mean().into_iter().zip(film.alpha()).enumerate();
+    let pixels = mean.iter().copied().zip(film.alpha()).enumerate();
     pixels
         .map(|(i, (mean, alpha))| {
             let color = match alpha {
@@ -286,9 +351,9 @@ fn split(values: &[[f32; 3]]) -> Vec<Vec<f32>> {
 }
 
 fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Messages) -> Result<Rendered, CliError> {
-    if arguments.transparent || !arguments.aov.is_empty() || arguments.error.is_some() {
+    if arguments.transparent || !arguments.aov.is_empty() || arguments.error.is_some() || arguments.denoise.is_some() {
         return Err(CliError::unusable(
-            "--view preview: expected no --transparent, --aov or --error; they belong to --view final",
+            "--view preview: expected no --transparent, --aov, --error or --denoise; they belong to --view final",
         ));
     }
     let unusable = |error| CliError::unusable(format!("--view preview: {error}"));
@@ -349,6 +414,7 @@ fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Mes
         load_seconds,
         stop_reason,
         error: None,
+        denoised: None,
         nonfinite,
         lobes: lobes(&loaded.scene, LobeSet::of),
     })
@@ -367,7 +433,9 @@ fn job(arguments: &RenderArguments, loaded: &LoadedScene, rendered: &Rendered) -
         "view": if arguments.view == View::Final { "final" } else { "preview" },
         "seed": arguments.scene.seed,
         "spp": rendered.spp,
+        "adaptive": arguments.view == View::Final && !arguments.no_adaptive,
         "max_bounces": loaded.scene.max_bounces,
+        "denoiser": rendered.denoised.as_ref().map(|denoised| &denoised.denoiser),
         "material": material,
     })
 }
@@ -377,8 +445,11 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
     if !arguments.json {
         let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
         let error = rendered.error.as_ref().map_or_else(String::new, |error| format!(", {}", error_text(error)));
+        let denoised = rendered.denoised.as_ref().map_or_else(String::new, |denoised| {
+            format!(", denoised by {} in {:.1} s, estimated {}", denoised.denoiser, denoised.seconds, error_text(&denoised.error))
+        });
         return print_out(&format!(
-            "{} ({}x{}): {} spp in {:.1} s{error}, stopped by {}",
+            "{} ({}x{}): {} spp in {:.1} s{error}{denoised}, stopped by {}",
             names.join(", "),
             rendered.picture.width,
             rendered.picture.height,
@@ -401,7 +472,13 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
         "relmse_estimate": rendered.error.as_ref().map(|error| error.relmse),
         "relmse_low": rendered.error.as_ref().map(|error| error.low),
         "relmse_high": rendered.error.as_ref().map(|error| error.high),
+        "adaptive": arguments.view == View::Final && !arguments.no_adaptive,
         "is_firefly_limited": rendered.error.as_ref().map(|error| error.is_firefly_limited),
+        "denoiser": rendered.denoised.as_ref().map(|denoised| &denoised.denoiser),
+        "denoise_seconds": rendered.denoised.as_ref().map(|denoised| denoised.seconds),
+        "relmse_estimate_denoised": rendered.denoised.as_ref().map(|denoised| denoised.error.relmse),
+        "relmse_low_denoised": rendered.denoised.as_ref().map(|denoised| denoised.error.low),
+        "relmse_high_denoised": rendered.denoised.as_ref().map(|denoised| denoised.error.high),
         "samples_per_second": samples / rendered.seconds.max(1e-9),
         "threads": arguments.scene.threads(),
         "seed": arguments.scene.seed,
@@ -415,7 +492,7 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
 }
 
 /// `error 1.9 % (±0.2)`: the square root of relMSE, with half the width of its interval.
-fn error_text(error: &ErrorEstimate) -> String {
+pub fn error_text(error: &ErrorEstimate) -> String {
     let percent = |relmse: f64| 100.0 * relmse.max(0.0).sqrt();
     let half_width = 0.5 * (percent(error.high) - percent(error.low));
     let fireflies = if error.is_firefly_limited { ", mostly few bright pixels" } else { "" };
@@ -428,7 +505,7 @@ fn progress_text(progress: &Progress<'_>) -> String {
 }
 
 /// Most memory this process has held, where the system tells (Linux).
-fn peak_memory_bytes() -> Option<u64> {
+pub fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
@@ -443,7 +520,17 @@ fn view(word: &str) -> Result<View, String> {
     }
 }
 
-fn transform(word: &str) -> Result<DisplayTransform, String> {
+fn denoiser(word: &str) -> Result<Denoise, String> {
+    match word {
+        "auto" => Ok(Denoise::Auto),
+        "burnish" => Ok(Denoise::Own),
+        "oidn" => Ok(Denoise::Oidn),
+        _ => Err("expected auto, burnish or oidn".to_owned()),
+    }
+}
+
+/// A display transform, for options.
+pub fn transform(word: &str) -> Result<DisplayTransform, String> {
     DisplayTransform::from_word(word).ok_or_else(|| "expected neutral, agx, aces or standard".to_owned())
 }
 
@@ -453,7 +540,7 @@ fn layer(word: &str) -> Result<LayerKind, String> {
 }
 
 /// A relMSE as a number, or as the percentage whose square it is.
-fn relmse(text: &str) -> Result<f64, String> {
+pub fn relmse(text: &str) -> Result<f64, String> {
     let read = match text.trim().strip_suffix('%') {
         Some(percent) => positive(percent).map(|percent| (percent / 100.0).powi(2)),
         None => positive(text),

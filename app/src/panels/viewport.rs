@@ -80,6 +80,12 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
         ui.separator();
 
         display_controls(ui, view);
+        let command = Command::ToggleDenoise;
+        let button = ui.add_enabled(view.mode.has_final(), egui::Button::selectable(view.is_denoise_on, "Denoise"));
+        let button = button.on_hover_text(format!("{}\nkey D", command.tooltip()));
+        if button.on_disabled_hover_text("The final view is not shown.").clicked() {
+            wish = Some(Wish::Command(command));
+        }
     });
     wish
 }
@@ -188,6 +194,8 @@ pub struct Picture<'a> {
     pub texture: Option<egui::TextureId>,
     /// The word in the corner.
     pub name: &'a str,
+    /// What the picture is if not what its name says.
+    pub label: Option<String>,
     /// Sentences about what is missing in the picture.
     pub notes: Vec<String>,
     /// Height at the bottom that the notes leave free.
@@ -222,6 +230,9 @@ pub fn paint(ui: &mut Ui, rect: Rect, picture: &Picture, is_named: bool) -> bool
     let mut bottom = rect.bottom() - 10.0;
     if is_named {
         bottom = line(picture.name.to_owned(), Color32::from_gray(225), bottom);
+    }
+    if let Some(label) = &picture.label {
+        bottom = line(label.clone(), theme::ACCENT, bottom);
     }
     bottom = bottom.min(rect.bottom() - picture.reserved);
     for note in &picture.notes {

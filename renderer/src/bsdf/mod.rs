@@ -10,6 +10,7 @@
 //! the mean reflectance), glass is scaled up by what its single scattering misses, a dielectric passes it to the diffuse lobe below
 //! (model reference 3.4, 5.3). The scale of glass depends on the viewer alone, so rough glass is not strictly reciprocal. Twin of `bsdf.wgsl`.
 
+pub mod adjoint;
 pub mod albedos;
 pub mod coat;
 pub mod dispersion;
@@ -32,7 +33,7 @@ use dispersion::WAVELENGTH_RANGE;
 use fresnel::{f82_average, f82_tint, fresnel};
 use ggx::{rotate_z, smith_length, vndf_bound};
 pub use interpret::{Optics, interpret};
-pub use sample::BsdfSample;
+pub use sample::{BsdfSample, Side};
 use std::f64::consts::FRAC_1_PI;
 use tables::sheen_albedo;
 

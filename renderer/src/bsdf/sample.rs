@@ -25,10 +25,28 @@ pub struct BsdfSample<L: Lanes> {
     pub is_valid: L::Mask,
 }
 
+/// Which directions are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// All.
+    Both,
+    /// Those on the viewer's side. With those across the surface, drawn besides, they make up all.
+    Same,
+    /// Those across the surface.
+    Across,
+}
+
 impl<L: Lanes> Bsdf<'_, L> {
     /// Draws a direction. `u` in `[0, 1)`: choice of lobe, direction (2), reflection or refraction.
     #[inline(always)]
     pub fn sample(&self, u: [L; 4]) -> BsdfSample<L> {
+        self.sample_side(u, Side::Both)
+    }
+
+    /// Draws a direction on a side. The weights are those of that side alone; the density remains that of [`Self::sample`], so that it
+    /// weighs against light sampling as before.
+    #[inline(always)]
+    pub fn sample_side(&self, u: [L; 4], side: Side) -> BsdfSample<L> {
         let o = self.optics;
         let (zero, one) = (L::zero(), L::one());
         let none = <L::Mask as Mask>::splat(false);
@@ -36,10 +54,11 @@ impl<L: Lanes> Bsdf<'_, L> {
         let c2 = c1 + self.p_sheen;
         let c3 = c2 + self.p_interface;
         let total = c3 + self.p_diffuse;
-        let is_coat = u[0].lt(c1);
-        let is_sheen = u[0].lt(c2) & !is_coat;
+        let has_choice = <L::Mask as Mask>::splat(side != Side::Across);
+        let is_coat = u[0].lt(c1) & has_choice;
+        let is_sheen = u[0].lt(c2) & !is_coat & has_choice;
         // The last lobe with any probability takes what rounding leaves.
-        let is_diffuse = (u[0].ge(c3) | self.p_interface.le(zero)) & self.p_diffuse.gt(zero) & !is_coat & !is_sheen;
+        let is_diffuse = (u[0].ge(c3) | self.p_interface.le(zero)) & self.p_diffuse.gt(zero) & !is_coat & !is_sheen & has_choice;
         let is_interface = !is_coat & !is_sheen & !is_diffuse;
 
         // One visible normal serves coat and base: each lane has its own alpha and frame.
@@ -74,7 +93,12 @@ impl<L: Lanes> Bsdf<'_, L> {
             let p_refract = one - p_reflect;
             let (bent, exists) = refract(self.wo, m, cos_om, self.eta);
             let bent = V3::select(o.is_matched, -self.wo, bent);
-            is_transmission = is_interface & u[3].ge(p_reflect) & p_refract.gt(zero);
+            let is_chosen = match side {
+                Side::Both => u[3].ge(p_reflect),
+                Side::Same => none,
+                Side::Across => !none,
+            };
+            is_transmission = is_interface & is_chosen & p_refract.gt(zero);
             let is_open = (exists | o.is_matched) & bent.z.lt(zero);
             wi = V3::select(is_transmission, bent, wi);
             is_delta = is_delta | (is_transmission & o.is_matched);
@@ -85,7 +109,8 @@ impl<L: Lanes> Bsdf<'_, L> {
             let is_straight = is_smooth | o.is_matched;
             let g1 = L::select(is_straight, one, g1_smith(wi_stretch, smith_length(wi_stretch, alpha_x, alpha_y)));
             let p = (self.p_interface * p_refract).max(L::of(1e-30));
-            let factor = transmitted.scale(g1 / p) * self.layers_across(bent);
+            let chosen = if side == Side::Across { one } else { p };
+            let factor = transmitted.scale(g1 / chosen) * self.layers_across(bent);
             through = Rgb::select(is_open, factor, Rgb::black());
             let d = d_ggx(stretch(m), alpha_x, alpha_y);
             let cos_im = bent.dot(m);
@@ -120,9 +145,13 @@ impl<L: Lanes> Bsdf<'_, L> {
             }
             weight = Rgb::select(is_delta, mirror, weight);
         }
+        if side == Side::Same && self.lobes.has(Lobe::transmission) {
+            // The interface reflects for certain, not with its probability.
+            weight = weight.scale(L::select(is_interface, p_reflect, one));
+        }
         weight = Rgb::select(is_transmission, through, weight);
         pdf = L::select(is_transmission, through_pdf, pdf);
-        is_valid = (is_transmission & wi.z.lt(zero)) | (!is_transmission & is_valid);
+        is_valid = (is_transmission & wi.z.lt(zero)) | (!is_transmission & is_valid & has_choice);
         is_valid = is_valid & total.gt(zero) & weight.max_channel().gt(zero);
         BsdfSample { wi: self.mirrored(wi), weight, pdf, is_delta, is_transmission, is_valid }
     }

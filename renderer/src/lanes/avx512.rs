@@ -161,7 +161,7 @@ impl Lanes for V16 {
     }
     #[inline(always)]
     fn gather(table: &[f32], index: Self) -> Self {
-        let last = table.len() - 1;
+        let Some(last) = table.len().checked_sub(1) else { return Self::of(0.0) };
         if last > i32::MAX as usize {
             let index = index.to_array();
             return Self::from_fn(|i| table[(index[i] as usize).min(last)]);

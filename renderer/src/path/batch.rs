@@ -1,5 +1,8 @@
 //! State of the paths in flight on one thread: one array per number, one entry per path, reused from batch to batch.
 
+use super::film::Cell;
+use super::raygen::Place;
+use super::sampler::mix;
 use crate::bvh::{Hit, NONE, Order, Ray};
 
 /// Paths in flight per thread. Their state stays in the second-level cache, and lists by material are long enough to fill lanes.
@@ -45,8 +48,18 @@ pub(super) struct Paths {
     pub indices: Vec<u32>,
     /// Whether the path met a surface that did not let it pass straight on.
     pub is_covered: Vec<bool>,
+    /// Whether the path came from the camera to a receiver of caustics first, and through no scattering body since.
+    pub is_from_receiver: Vec<bool>,
+    /// Whether photons bring the hot part of the light that the next ray may find.
+    pub is_cold: Vec<bool>,
+    /// Whether connections have brought the light that the next ray may find.
+    pub is_lit: Vec<bool>,
     /// Where the last ray arrived.
     pub hits: Vec<Hit>,
+    /// Paths that began at the camera; those after them are branches.
+    pub trunks: usize,
+    /// The path that each branch grew from.
+    pub parents: Vec<u32>,
 }
 
 impl Paths {
@@ -74,10 +87,53 @@ impl Paths {
         self.excluded.resize(count, NONE);
         self.seeds.resize(count, 0);
         self.indices.resize(count, 0);
-        self.is_covered.resize(count, false);
+        for column in [&mut self.is_covered, &mut self.is_from_receiver, &mut self.is_cold, &mut self.is_lit] {
+            column.resize(count, false);
+        }
         self.hits.resize(count, Hit::MISS);
     }
+
+    /// A second path from where one is, with its state but for the light found and the random numbers. There must be room.
+    #[inline(always)]
+    pub(super) fn branch(&mut self, path: usize) -> usize {
+        let branch = self.trunks + self.parents.len();
+        self.parents.push(path as u32);
+        for triple in [&mut self.origin, &mut self.direction, &mut self.throughput, &mut self.sigma_a, &mut self.sigma_s] {
+            for column in triple {
+                column[branch] = column[path];
+            }
+        }
+        for column in &mut self.radiance {
+            column[branch] = 0.0;
+        }
+        for column in [&mut self.pdf, &mut self.cone_width, &mut self.cone_spread, &mut self.wavelength] {
+            column[branch] = column[path];
+        }
+        for column in [&mut self.body, &mut self.bounces, &mut self.excluded, &mut self.indices] {
+            column[branch] = column[path];
+        }
+        for column in
+            [&mut self.is_dispersed, &mut self.is_covered, &mut self.is_from_receiver, &mut self.is_cold, &mut self.is_lit]
+        {
+            column[branch] = column[path];
+        }
+        self.seeds[branch] = mix(self.seeds[path] ^ BRANCH_SALT);
+        self.hits[branch] = self.hits[path];
+        branch
+    }
+
+    /// Adds what branches have found to the paths that they grew from.
+    pub(super) fn fold_branches(&mut self) {
+        for (i, parent) in self.parents.iter().enumerate() {
+            for column in &mut self.radiance {
+                column[*parent as usize] += column[self.trunks + i];
+            }
+        }
+    }
 }
+
+/// Sets the random numbers of a branch apart.
+const BRANCH_SALT: u32 = 0x5bd1_e995;
 
 /// Rays towards the light that still have to be found free.
 #[derive(Debug, Default)]
@@ -88,8 +144,8 @@ pub(super) struct Shadows {
     pub contributions: Vec<[f32; 3]>,
     /// Extinction along the first stretch, 1/normalised unit.
     pub sigmas: Vec<[f32; 3]>,
-    /// The path that gets the light.
-    pub paths: Vec<u32>,
+    /// What gets the light: the path, or the pixel where a photon is connected to the camera.
+    pub targets: Vec<u32>,
     /// Whether the way is blocked.
     pub blocked: Vec<bool>,
     /// Memory to sort them in.
@@ -102,7 +158,7 @@ impl Shadows {
         self.rays.clear();
         self.contributions.clear();
         self.sigmas.clear();
-        self.paths.clear();
+        self.targets.clear();
     }
 }
 
@@ -127,16 +183,18 @@ pub(super) struct Batch {
     pub order: Order,
     /// Their hits.
     pub hits: Vec<Hit>,
-    /// Sums of one tile, per pixel and replicate.
-    pub sums: Vec<[f64; 3]>,
-    /// Covered samples of one tile, per pixel.
-    pub covered: Vec<u32>,
+    /// What the pixels of the job hold.
+    pub cells: Vec<Cell>,
+    /// Where each path belongs.
+    pub places: Vec<Place>,
 }
 
 impl Batch {
-    /// Prepares for `count` paths over `surfaces` kinds of surface.
+    /// Prepares for `count` paths over `surfaces` kinds of surface; each path may grow one branch.
     pub(super) fn begin(&mut self, count: usize, surfaces: usize) {
-        self.paths.resize(count);
+        self.paths.resize(2 * count);
+        self.paths.trunks = count;
+        self.paths.parents.clear();
         self.lists.resize_with(surfaces, Vec::new);
         self.active.clear();
         self.active.extend(0..count as u32);

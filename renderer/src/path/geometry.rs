@@ -30,6 +30,43 @@ pub(super) struct Geometry {
     pub triangles: Vec<[u32; 4]>,
     /// Unit geometric normals, outwards, by triangle.
     pub normals: Vec<[f32; 3]>,
+    /// A sphere around each object; `None` around nothing.
+    pub spheres: Vec<Option<Sphere>>,
+}
+
+/// A ball of space, normalised units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sphere {
+    /// Middle.
+    pub center: Vec3,
+    /// Radius, above 0.
+    pub radius: f32,
+}
+
+impl Sphere {
+    /// Around the middle of the points' bounds.
+    fn around(points: &[[Vec3; 3]]) -> Option<Self> {
+        let points = points.iter().flatten();
+        let (min, max) = points.clone().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
+        let center = 0.5 * (min + max);
+        let square = points.fold(0.0f32, |r, p| r.max(center.distance_squared(*p)));
+        let radius = square.sqrt() * 1.000_1;
+        (center.is_finite() && radius.is_finite() && radius > 0.0).then_some(Self { center, radius })
+    }
+
+    /// A sphere around both.
+    pub(super) fn union(self, other: Self) -> Self {
+        let offset = other.center - self.center;
+        let distance = offset.length();
+        if distance + other.radius <= self.radius {
+            return self;
+        }
+        if distance + self.radius <= other.radius {
+            return other;
+        }
+        let radius = 0.5 * (distance + self.radius + other.radius);
+        Self { center: self.center + offset * ((radius - self.radius) / distance), radius: radius * 1.000_1 }
+    }
 }
 
 /// What the triangles of an object depend on.
@@ -66,10 +103,13 @@ impl Geometry {
             vertices: Vec::new(),
             triangles: Vec::new(),
             normals: Vec::new(),
+            spheres: Vec::new(),
         };
         let mut corners = Vec::new();
         for (number, object) in scene.objects.iter().enumerate() {
+            let first = corners.len();
             geometry.add(object, number as u32, &mut corners);
+            geometry.spheres.push(Sphere::around(&corners[first..]));
         }
         geometry.bvh = Bvh::new(&corners);
         geometry

@@ -4,24 +4,34 @@
 //! BSDF sampling, which is always combined with it (MIS compensation; Karlik et al. 2019). So the density may only be used
 //! together with BSDF sampling, and delta lobes take the full light.
 //!
+//! Where a scene has caustics (`caustics`), light is divided by its radiance: what exceeds [`HOT`] times the mean of the map is *hot*, the
+//! rest *cold*. Hot light has a table of its own, from which photons start.
+//!
 //! Emissive objects are found by BSDF sampling alone: unbiased, but noisy for small bright ones.
 
 #![allow(clippy::needless_range_loop, reason = "one number runs over several arrays of lanes or axes")]
 
+use super::distribution::Distribution;
 use crate::bsdf::interpret::EMISSION_MAX;
 use crate::lanes::{Lanes, MAX_LANES};
 use crate::scene::EnvironmentLight;
 use crate::vector::{Rgb, V3};
 use burnish_assets::Environment;
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+/// Luminance of linear Rec.709.
+const LUMINANCE: [f64; 3] = [0.212_639_0, 0.715_168_7, 0.072_192_3];
 /// Least number of rows of the table; there are twice as many columns.
 const ROWS_MIN: usize = 256;
 /// Largest number of rows; finer maps are summed up.
 const ROWS_MAX: usize = 512;
 /// Smallest sine of the polar angle in a density.
 const SIN_MIN: f64 = 1e-6;
+/// Luminance over the mean of the map from which light is hot. Any value is exact.
+const HOT: f64 = 4.0;
+/// Least share of a map's power that is worth photons.
+const HOT_SHARE_MIN: f64 = 0.05;
 
 /// Tables of one map; independent of rotation and scale.
 #[derive(Debug)]
@@ -29,16 +39,14 @@ pub(super) struct LightTables {
     map: Arc<Environment>,
     rows: usize,
     columns: usize,
-    /// `rows + 1` values from 0 to 1.
-    marginal: Vec<f32>,
-    /// `rows` times `columns + 1` values from 0 to 1.
-    conditional: Vec<f32>,
-    /// Probability of each cell times the number of cells, as the rounded tables give it.
-    density: Vec<f32>,
+    /// Mean luminance of the map over the sphere.
+    mean: f64,
+    /// For light sampling; `None` if nothing is brighter than the mean.
+    compensated: Option<Distribution>,
+    /// For hot light, made when first asked for.
+    hot: OnceLock<Option<Distribution>>,
     /// Texels in four floats, with the first column repeated behind the last: `height` rows of `width + 1`.
     texels: Vec<[f32; 4]>,
-    /// Nothing is brighter than the mean: light sampling is left out.
-    is_constant: bool,
 }
 
 /// A light with its place in the scene.
@@ -73,19 +81,32 @@ impl LightTables {
                 texels.push([c[0], c[1], c[2], 0.0]);
             }
         }
-        let mut tables = Self {
-            map: map.clone(),
-            rows,
-            columns,
-            marginal: Vec::new(),
-            conditional: Vec::new(),
-            density: Vec::new(),
-            texels,
-            is_constant: false,
-        };
-        let mass = tables.compensated_mass();
-        tables.fill(&mass);
+        let mut tables = Self { map: map.clone(), rows, columns, mean: 0.0, compensated: None, hot: OnceLock::new(), texels };
+        tables.mean = tables.mean_above(0.0);
+        tables.compensated = Distribution::new(&tables.mass_above(tables.mean), rows, columns);
         tables
+    }
+
+    /// The table of hot light; `None` if a map has too little of it.
+    fn hot(&self) -> Option<&Distribution> {
+        let make = || {
+            let threshold = HOT * self.mean;
+            let is_worth_it = self.mean_above(threshold) >= HOT_SHARE_MIN * self.mean;
+            is_worth_it.then(|| Distribution::new(&self.mass_above(threshold), self.rows, self.columns)).flatten()
+        };
+        self.hot.get_or_init(make).as_ref()
+    }
+
+    /// Mean over the sphere of the luminance above a threshold.
+    fn mean_above(&self, threshold: f64) -> f64 {
+        let (width, height) = (self.map.width.max(1), self.map.height.max(1));
+        let (mut mean, mut weight) = (0.0, 0.0);
+        for (j, row) in self.texels.chunks(width + 1).enumerate() {
+            let sin = ((j as f64 + 0.5) / height as f64 * PI).sin();
+            mean += sin * row[..width].iter().map(|c| (luminance(c) - threshold).max(0.0)).sum::<f64>() / width as f64;
+            weight += sin;
+        }
+        mean / weight
     }
 
     /// Whether the tables are those of this map.
@@ -93,27 +114,16 @@ impl LightTables {
         Arc::ptr_eq(&self.map, map)
     }
 
-    /// Largest compensated luminance of each cell times its solid angle. The largest of nine points, because that is the maximum of
+    /// Largest luminance above a threshold of each cell, times its solid angle. The largest of nine points, because that is the maximum of
     /// a bilinear surface with texels as large as cells: with the value at the centre, the neighbours of a sun would hold light
     /// and have density 0.
-    fn compensated_mass(&self) -> Vec<f64> {
+    fn mass_above(&self, threshold: f64) -> Vec<f64> {
         let (width, height) = (self.map.width.max(1), self.map.height.max(1));
         // A lattice of texel centres and everything halfway between them, refined or thinned to the cells.
         let per_cell_x = width.div_ceil(self.columns);
         let per_cell_y = height.div_ceil(self.rows);
         let (nx, ny) = (2 * self.columns * per_cell_x, 2 * self.rows * per_cell_y);
-        let mut mean = 0.0;
         let mut mass = vec![0.0f64; self.rows * self.columns];
-        let luminance =
-            |c: &[f32; 4]| 0.212_639_0 * f64::from(c[0]) + 0.715_168_7 * f64::from(c[1]) + 0.072_192_3 * f64::from(c[2]);
-        let mut weight = 0.0;
-        for (j, row) in self.texels.chunks(width + 1).enumerate() {
-            let sin = ((j as f64 + 0.5) / height as f64 * PI).sin();
-            mean += sin * row[..width].iter().map(luminance).sum::<f64>() / width as f64;
-            weight += sin;
-        }
-        mean /= weight;
-
         let columns: Vec<(usize, f64)> = (0..nx)
             .map(|i| {
                 let x = (i as f64 / nx as f64 * width as f64 - 0.5).rem_euclid(width as f64);
@@ -130,7 +140,7 @@ impl LightTables {
                 .map(|&(i, fx)| {
                     let upper = luminance(&a[i]) * (1.0 - fx) + luminance(&a[i + 1]) * fx;
                     let lower = luminance(&b[i]) * (1.0 - fx) + luminance(&b[i + 1]) * fx;
-                    (upper * (1.0 - fy) + lower * fy - mean).max(0.0)
+                    (upper * (1.0 - fy) + lower * fy - threshold).max(0.0)
                 })
                 .collect()
         };
@@ -152,51 +162,16 @@ impl LightTables {
         }
         let total: f64 = mass.iter().sum();
         // Rounding of the mean must not make a light of a constant map.
-        if total <= 1e-5 * mean * (nx * ny / 4) as f64 {
+        if total <= 1e-5 * self.mean * (nx * ny / 4) as f64 {
             mass.fill(0.0);
         }
         mass
     }
+}
 
-    /// Cumulative tables, and the densities that their single-precision values really have.
-    fn fill(&mut self, mass: &[f64]) {
-        let (rows, columns) = (self.rows, self.columns);
-        let total: f64 = mass.iter().sum();
-        if !(total.is_finite() && total > 0.0) {
-            self.is_constant = true;
-            return;
-        }
-        let cumulative = |weights: &mut dyn Iterator<Item = f64>, count: usize, sum: f64, out: &mut Vec<f32>| {
-            let mut running = 0.0;
-            let first = out.len();
-            out.push(0.0);
-            for (i, w) in weights.enumerate() {
-                running += w;
-                let value = if sum > 0.0 { running / sum } else { (i + 1) as f64 / count as f64 };
-                out.push(value.min(1.0) as f32);
-            }
-            // Exactly 1 from the last cell that holds anything, so that no number below 1 falls behind it.
-            let last = out.len() - 1;
-            let end = out[last];
-            for value in &mut out[first..] {
-                if *value == end {
-                    *value = 1.0;
-                }
-            }
-        };
-        let sums: Vec<f64> = mass.chunks(columns).map(|row| row.iter().sum()).collect();
-        cumulative(&mut sums.iter().copied(), rows, total, &mut self.marginal);
-        self.conditional.reserve(rows * (columns + 1));
-        for (row, sum) in mass.chunks(columns).zip(&sums) {
-            cumulative(&mut row.iter().copied(), columns, *sum, &mut self.conditional);
-        }
-        let cells = (rows * columns) as f64;
-        for j in 0..rows {
-            let p = f64::from(self.marginal[j + 1]) - f64::from(self.marginal[j]);
-            let row = &self.conditional[j * (columns + 1)..(j + 1) * (columns + 1)];
-            self.density.extend(row.windows(2).map(|c| (p * (f64::from(c[1]) - f64::from(c[0])) * cells) as f32));
-        }
-    }
+/// Luminance of a texel.
+fn luminance(c: &[f32; 4]) -> f64 {
+    LUMINANCE[0] * f64::from(c[0]) + LUMINANCE[1] * f64::from(c[1]) + LUMINANCE[2] * f64::from(c[2])
 }
 
 impl Light {
@@ -214,7 +189,7 @@ impl Light {
 
     /// Whether directions are drawn at all.
     pub(super) fn is_sampled(&self) -> bool {
-        !self.tables.is_constant && self.scale > 0.0
+        self.tables.compensated.is_some() && self.scale > 0.0
     }
 
     /// Radiance and density (1/sr) of a unit world direction. Density 0 if light sampling is left out.
@@ -231,19 +206,42 @@ impl Light {
         (self.radiance_at(u, v), pdf)
     }
 
-    /// Draws a direction from two numbers in `[0, 1)`.
+    /// Draws a direction from two numbers in `[0, 1)`. Density 0 if light sampling is left out.
     #[inline(always)]
     pub(super) fn sample<L: Lanes>(&self, u0: L, u1: L) -> LightSample<L> {
-        let t = &self.tables;
-        let (row, fy) = search(&t.marginal, L::zero(), t.rows, u1);
-        let (column, fx) = search(&t.conditional, row * L::of((t.columns + 1) as f64), t.columns, u0);
-        let u = (column + fx) * L::of(1.0 / t.columns as f64);
-        let v = (row + fy) * L::of(1.0 / t.rows as f64);
+        self.draw(self.tables.compensated.as_ref(), u0, u1)
+    }
+
+    /// Whether there is enough hot light for photons.
+    pub(super) fn has_hot(&self) -> bool {
+        self.scale > 0.0 && self.tables.hot().is_some()
+    }
+
+    /// Draws a direction of hot light; the radiance is that of the hot part.
+    #[inline(always)]
+    pub(super) fn sample_hot<L: Lanes>(&self, u0: L, u1: L) -> LightSample<L> {
+        let sample = self.draw(self.tables.hot(), u0, u1);
+        let cold = self.cold(sample.radiance);
+        LightSample { radiance: sample.radiance.zip(cold, |all, cold| all - cold), ..sample }
+    }
+
+    /// The cold part of a radiance of this light.
+    #[inline(always)]
+    pub(super) fn cold<L: Lanes>(&self, radiance: Rgb<L>) -> Rgb<L> {
+        let threshold = L::of(HOT * self.tables.mean * f64::from(self.scale));
+        let [r, g, b] = radiance.0;
+        let luminance = r * L::of(LUMINANCE[0]) + g * L::of(LUMINANCE[1]) + b * L::of(LUMINANCE[2]);
+        let is_hot = luminance.gt(threshold);
+        radiance.scale(L::select(is_hot, threshold / L::select(is_hot, luminance, L::one()), L::one()))
+    }
+
+    #[inline(always)]
+    fn draw<L: Lanes>(&self, table: Option<&Distribution>, u0: L, u1: L) -> LightSample<L> {
+        let (u, v, density) = table.map_or((u0, u1, L::zero()), |table| table.sample(u0, u1));
         let (sin_phi, cos_phi) = sin_cos_turn(u);
         let (sin_theta, cos_theta) = sin_cos_turn(v * L::of(0.5));
         let (x, y, z) = (sin_theta * sin_phi, cos_theta, -(sin_theta * cos_phi));
         let (s, c) = (L::of(f64::from(self.sin)), L::of(f64::from(self.cos)));
-        let density = L::gather(&t.density, row * L::of(t.columns as f64) + column);
         LightSample {
             direction: V3::new(c * x + s * z, y, c * z - s * x),
             radiance: self.radiance_at(u, v),
@@ -253,9 +251,8 @@ impl Light {
 
     #[inline(always)]
     fn density_at<L: Lanes>(&self, u: L, v: L, sin_theta: L) -> L {
-        let t = &self.tables;
-        let index = cell(v, t.rows) * L::of(t.columns as f64) + cell(u, t.columns);
-        L::gather(&t.density, index) / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN)))
+        let density = self.tables.compensated.as_ref().map_or(L::zero(), |table| table.density(u, v));
+        density / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN)))
     }
 
     /// Bilinear between texel centres; wraps around in u, clamps at the poles.
@@ -291,33 +288,9 @@ impl Light {
     }
 }
 
-/// The cell of `n` that a number in `[0, 1]` lies in.
-#[inline(always)]
-fn cell<L: Lanes>(x: L, n: usize) -> L {
-    (x * L::of(n as f64)).floor().max(L::zero()).min(L::of((n - 1) as f64))
-}
-
-/// Largest `i < count` with `table[base + i] <= u`, and where `u` lies between it and the next, `[0, 1)`.
-#[inline(always)]
-fn search<L: Lanes>(table: &[f32], base: L, count: usize, u: L) -> (L, L) {
-    let mut found = L::zero();
-    let mut step = count.next_power_of_two() / 2;
-    while step > 0 {
-        let candidate = found + L::of(step as f64);
-        let is_inside = candidate.lt(L::of(count as f64));
-        let value = L::gather(table, base + candidate);
-        found = L::select(is_inside & value.le(u), candidate, found);
-        step /= 2;
-    }
-    let (low, high) = (L::gather(table, base + found), L::gather(table, base + found + L::one()));
-    let is_empty = high.le(low);
-    let fraction = (u - low) / L::select(is_empty, L::one(), high - low);
-    (found, fraction.max(L::zero()).min(L::of(1.0 - 1.0 / 16_777_216.0)))
-}
-
 /// Sine and cosine of a number of turns in `[0, 1]`. Taylor series on an eighth of a turn; error below 2e-7.
 #[inline(always)]
-fn sin_cos_turn<L: Lanes>(turn: L) -> (L, L) {
+pub(super) fn sin_cos_turn<L: Lanes>(turn: L) -> (L, L) {
     let quadrant = (turn * L::of(4.0) + L::of(0.5)).floor();
     let x = (turn - quadrant * L::of(0.25)) * L::of(TAU);
     let x2 = x * x;

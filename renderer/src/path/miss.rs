@@ -5,7 +5,7 @@ use super::batch::{Paths, Shadows};
 use super::prepared::Prepared;
 use super::sampler::per_lane;
 use super::shade::{add, lane_of, load};
-use crate::lanes::{Kernel, Lanes};
+use crate::lanes::{Kernel, Lanes, Mask};
 use crate::vector::{Rgb, V3};
 
 /// Adds the environment's light to the paths of `list`.
@@ -25,10 +25,16 @@ impl Kernel for Miss<'_> {
         for ids in list.chunks(L::WIDTH) {
             let id = per_lane(0usize, |i| ids[if i < ids.len() { i } else { 0 }] as usize);
             let [x, y, z] = load::<L>(&paths.direction, &id);
-            let (radiance, light_pdf) = prepared.light.eval(V3::new(x, y, z));
+            let (mut radiance, light_pdf) = prepared.light.eval(V3::new(x, y, z));
+            if prepared.caustics.is_some() {
+                let is_cold = <L::Mask as Mask>::from_fn(|i| paths.is_cold[id[i]]);
+                radiance = Rgb::select(is_cold, prepared.light.cold(radiance), radiance);
+            }
             let pdf = L::gather_at(&paths.pdf, &id);
             // Density 0: a camera ray or a delta lobe, which light sampling cannot replace.
             let weight = L::select(pdf.gt(L::zero()), pdf / (pdf + light_pdf).max(L::of(1e-30)), L::one());
+            let is_lit = <L::Mask as Mask>::from_fn(|i| paths.is_lit[id[i]]);
+            let weight = L::select(is_lit, L::zero(), weight);
             // Nothing arrives through an absorbing medium without end.
             let sigma = Rgb(load::<L>(&paths.sigma_a, &id)) + Rgb(load(&paths.sigma_s, &id));
             let passage = sigma.map(|s| L::select(s.gt(L::zero()), L::zero(), L::one()));
@@ -42,7 +48,7 @@ impl Kernel for Miss<'_> {
 
 /// Adds the light of the connections that are not blocked.
 pub(super) fn accumulate(paths: &mut Paths, shadows: &Shadows, stats: &mut PassStats) {
-    for (i, path) in shadows.paths.iter().enumerate() {
+    for (i, path) in shadows.targets.iter().enumerate() {
         if !shadows.blocked[i] {
             add(paths, stats, *path as usize, shadows.contributions[i]);
         }

@@ -9,17 +9,26 @@
 //! Height maps displace the mesh, refined to 1/128 of its radius (`displace`), and bend normals where they are finer (`detail`). Paths carry
 //! cones (`cone`), by which images are read from averaged copies (`mip`).
 
+mod adaptive;
 mod aov;
 mod batch;
+mod caustics;
 mod cone;
+mod convergence;
 mod detail;
+mod direct;
 mod displace;
+mod distribution;
+mod estimate;
 mod film;
 mod frame;
 mod geometry;
 mod light;
+#[cfg(test)]
+mod light_tests;
 mod mip;
 mod miss;
+mod photon;
 mod prepared;
 mod raygen;
 pub(crate) mod render;
@@ -36,7 +45,9 @@ mod trace;
 mod walk;
 
 pub use aov::{Aovs, aovs};
-pub use film::{ErrorEstimate, Film, REPLICATES};
+pub use convergence::{Convergence, ErrorPoint, Prediction};
+pub use estimate::ErrorEstimate;
+pub use film::{Film, REPLICATES};
 pub use prepared::Prepared;
 pub use render::{Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, render, render_prepared};
 pub use schedule::render_pass;

@@ -1,17 +1,22 @@
 //! What a scene becomes before it is rendered: one tree, tables of the light, one surface per material.
 
 use super::batch::Batch;
+use super::caustics::{Caustics, Role};
 use super::detail::Bumps;
+use super::direct::Connection;
 use super::displace::{Relief, length_scale};
 use super::geometry::Geometry;
 use super::light::{Light, LightTables};
 use super::mip::Sources;
 use super::texture::Texture;
-use crate::bsdf::{Albedos, interpret};
+use crate::bsdf::{Albedos, Optics, interpret};
 use crate::bvh::NONE;
 use crate::scene::{Camera, Object, Scene, TextureSet};
-use burnish_material::{Inputs, Lobe, LobeSet, Material};
+use burnish_material::{Inputs, Lobe, LobeSet, Material, Property};
 use std::sync::{Arc, Mutex};
+
+/// Microfacet alpha below which refracting surfaces count as sharp.
+const SPLIT_ALPHA: f64 = 0.03;
 
 /// An immutable scene ready for the path tracer.
 #[derive(Debug)]
@@ -34,6 +39,10 @@ pub struct Prepared {
     pub(super) has_cut_through: bool,
     /// Whether any surface reads images.
     pub(super) has_images: bool,
+    /// Whether direct light near the camera is chosen from several candidates.
+    pub(super) resamples: bool,
+    /// Where photons bring the light of caustics; `None` where paths from the camera bring all light.
+    pub(super) caustics: Option<Caustics>,
     /// The images that surfaces and geometry read.
     sources: Sources,
     /// Buffers of threads that rest.
@@ -68,6 +77,13 @@ pub(super) struct Surface {
     pub length_scale: f64,
     /// Tables of its albedos.
     pub albedos: Arc<Albedos>,
+    /// How it is connected to the light.
+    pub connection: Connection,
+    /// Whether what it reflects and what it lets through are both followed where the camera sees it first: where both are sharp, the choice
+    /// between them is most of the noise.
+    pub splits: bool,
+    /// What it is to caustics; [`Role::Other`] for all surfaces of a scene without photons.
+    pub role: Role,
 }
 
 impl Surface {
@@ -92,7 +108,12 @@ impl Surface {
         };
         let (lobes, textures) = (lobes(&object.material), Texture::all_of(object, sources));
         let varies = |property| textures.iter().any(|t| t.property == property);
+        let optics: Optics<f64> = interpret(&inputs, lobes, length_scale);
         Self {
+            connection: Connection::of(&optics, lobes, varies),
+            splits: lobes.has(Lobe::transmission)
+                && optics.alpha_x.max(optics.alpha_y) < SPLIT_ALPHA
+                && !varies(Property::roughness),
             albedos: Albedos::new(&inputs, lobes, varies, albedos),
             lobes,
             textures,
@@ -101,6 +122,7 @@ impl Surface {
             length_scale,
             images: object.textures.clone(),
             material: object.material.clone(),
+            role: Role::Other,
         }
     }
 
@@ -178,8 +200,19 @@ impl Prepared {
             if extent.is_finite() { extent.max(1e-6) as f32 } else { 1.0 }
         };
         sources.drop_unused();
+        let light = Light::new(&scene.environment, tables);
+        let is_outside = camera_medium.object == NONE;
+        let roles: Vec<Role> = surfaces.iter().map(Role::of).collect();
+        let caustics = Caustics::new(&geometry, |object| roles[surface_of_object[object] as usize]);
+        // Bright enough light is asked for last: finding out takes the longest.
+        let caustics = caustics.filter(|_| is_outside && light.has_hot());
+        if caustics.is_some() {
+            surfaces.iter_mut().zip(roles).for_each(|(surface, role)| surface.role = role);
+        }
         Self {
-            light: Light::new(&scene.environment, tables),
+            light,
+            caustics,
+            resamples: true,
             has_images: surfaces.iter().any(Surface::reads_images),
             sources,
             has_cut_through: has(Lobe::opacity),
@@ -199,6 +232,18 @@ impl Prepared {
     /// Lobes that the materials of this scene need.
     pub fn lobes(&self) -> LobeSet {
         self.surfaces.iter().fold(LobeSet::EMPTY, |set, s| set.union(s.lobes))
+    }
+
+    /// The same scene without photons: all light is left to paths from the camera.
+    pub fn without_photons(mut self) -> Self {
+        self.caustics = None;
+        self.surfaces.iter_mut().for_each(|surface| surface.role = Role::Other);
+        self
+    }
+
+    /// Whether photons bring the light of caustics.
+    pub fn has_photons(&self) -> bool {
+        self.caustics.is_some()
     }
 
     /// Tables of the albedos of all materials.

@@ -10,32 +10,28 @@ use crate::scene::CameraBasis;
 use crate::vector::V3;
 use glam::Vec3;
 
-/// A rectangle of pixels and a run of samples for each of them.
+/// Where a path belongs.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tile {
-    /// Left column.
-    pub x: usize,
-    /// Upper row.
-    pub y: usize,
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Number of the first sample.
-    pub first: u32,
-    /// Samples per pixel.
-    pub count: u32,
+pub(super) struct Place {
+    /// Number of the pixel among those of its job.
+    pub cell: u32,
+    /// Pixel of the picture, row by row.
+    pub pixel: u32,
+    /// Sample number within the pixel.
+    pub sample: u32,
 }
 
-impl Tile {
+/// The paths of a batch. All samples of a pixel follow each other, so their rays stay together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tile<'a> {
+    /// One entry per path.
+    pub places: &'a [Place],
+}
+
+impl Tile<'_> {
     /// Number of paths.
     pub(super) fn paths(&self) -> usize {
-        self.width * self.height * self.count as usize
-    }
-
-    /// Pixel within the tile and sample number of a path: all samples of a pixel follow each other, so their rays stay together.
-    pub(super) fn place(&self, path: usize) -> (usize, u32) {
-        (path / self.count as usize, self.first + (path % self.count as usize) as u32)
+        self.places.len()
     }
 }
 
@@ -63,7 +59,7 @@ impl View {
 pub(super) struct Raygen<'a> {
     pub prepared: &'a Prepared,
     pub view: &'a View,
-    pub tile: Tile,
+    pub tile: Tile<'a>,
     pub seed: u64,
     pub paths: &'a mut Paths,
 }
@@ -86,9 +82,9 @@ impl Kernel for Raygen<'_> {
             let mut indices: Words = [0; MAX_LANES];
             let mut corner = [[0.0f32; MAX_LANES]; 2];
             for lane in 0..live {
-                let (pixel, sample) = tile.place(start + lane);
-                let (x, y) = (tile.x + pixel % tile.width, tile.y + pixel / tile.width);
-                seeds[lane] = pixel_seed(seed, sample % REPLICATES as u32, (y * view.width + x) as u32);
+                let Place { pixel, sample, .. } = tile.places[start + lane];
+                let (x, y) = (pixel % view.width as u32, pixel / view.width as u32);
+                seeds[lane] = pixel_seed(seed, sample % REPLICATES as u32, pixel);
                 indices[lane] = sample / REPLICATES as u32;
                 corner[0][lane] = x as f32;
                 corner[1][lane] = y as f32;
@@ -123,7 +119,9 @@ impl Kernel for Raygen<'_> {
             paths.excluded[place.clone()].fill(NONE);
             paths.seeds[place.clone()].copy_from_slice(&seeds[..live]);
             paths.indices[place.clone()].copy_from_slice(&indices[..live]);
-            paths.is_covered[place.clone()].fill(false);
+            for column in [&mut paths.is_covered, &mut paths.is_from_receiver, &mut paths.is_cold, &mut paths.is_lit] {
+                column[place.clone()].fill(false);
+            }
             start += L::WIDTH;
         }
     }

@@ -2,16 +2,20 @@
 //!
 //! * Samples: exact.
 //! * Time: the next pass is made as large as the measured speed says will fit; rendering ends when not even one more sample per
-//!   pixel would. Seconds count rendering alone.
+//!   pixel would. A pass that takes longer than expected is dropped shortly after the limit, so that the number of samples alone says
+//!   what the picture holds. The first pass goes from a coarse lattice to all pixels, and where time ends before, the pixels between
+//!   show their neighbours. Seconds count rendering and the estimates of the error, not loading.
 //! * Error: judged only where every replicate holds a power of two of samples (testing after each pass stops early by luck), when the
-//!   estimate is not firefly-limited and its interval reaches less than 15 % to either side, or when even the upper end of the
-//!   interval is below the target. Where the target lies less than a factor 2.5 below, the missing samples are computed from the
-//!   slope of the error and rendered without another test. A render with no other rule ends at [`SPP_MAX`] at the latest.
+//!   estimate is not firefly-limited, or when even the upper end of its interval is below the target. Where the target comes before the next power of two, the missing samples are computed from the slope of the error and
+//!   rendered in two steps. A render with no other rule ends at [`SPP_MAX`] at the latest.
 
 use super::PassStats;
-use super::film::{ErrorEstimate, Film, REPLICATES};
+use super::adaptive::{Allocation, is_decision, next_decision};
+use super::convergence::ErrorPoint;
+use super::estimate::ErrorEstimate;
+use super::film::{Film, LATTICE, Quota, REPLICATES};
 use super::prepared::Prepared;
-use super::schedule::render_pass;
+use super::schedule::render_quotas;
 use crate::scene::Scene;
 use burnish_material::LobeSet;
 use std::time::Instant;
@@ -20,8 +24,16 @@ use std::time::Instant;
 pub const SPP_MAX: u32 = 1 << 20;
 /// Seconds that a pass may take before it is divided, so that progress is reported and can be cancelled.
 const PASS_SECONDS: f64 = 0.5;
-/// Half width of the interval, relative to the estimate, with which an error may be judged.
-const HALF_WIDTH_MAX: f64 = 0.15;
+/// Share of a time limit by which a pass may exceed it before it is dropped.
+const OVERTIME: f64 = 0.03;
+/// Growth of the samples after which the error is estimated anew.
+const ESTIMATE_GROWTH: f64 = 1.4;
+/// How far the next power of two may divide the error: beyond this ratio to the target it is rendered without a prediction.
+const PREDICTED_RATIO: f64 = 3.0;
+/// Share of the predicted samples after which the error is looked at once more.
+const FIRST_STEP: f64 = 0.9;
+/// With this ratio to the target, a predicted number of samples is taken to have reached it.
+const REACHED: f64 = 1.05;
 
 /// When a render ends: the first rule that holds. Without any, it runs until it is cancelled or reaches [`SPP_MAX`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,6 +84,8 @@ pub struct Settings {
     pub threads: usize,
     /// When to stop.
     pub stop: StopRules,
+    /// Whether noisy pixels get more samples than quiet ones, from 64 samples per pixel on.
+    pub is_adaptive: bool,
 }
 
 /// Where a render stands after a pass.
@@ -83,6 +97,8 @@ pub struct Progress<'a> {
     pub seconds: f64,
     /// The latest estimate.
     pub error: Option<ErrorEstimate>,
+    /// All estimates so far.
+    pub history: &'a [ErrorPoint],
     /// Samples (paths) per second.
     pub samples_per_second: f64,
 }
@@ -92,6 +108,10 @@ pub struct Progress<'a> {
 pub struct Rendering {
     /// The picture.
     pub film: Film,
+    /// Its error.
+    pub error: Option<ErrorEstimate>,
+    /// The estimates on the way.
+    pub history: Vec<ErrorPoint>,
     /// Seconds of rendering alone.
     pub seconds: f64,
     /// Seconds for the tree and the tables.
@@ -108,88 +128,246 @@ pub struct Rendering {
     pub lobes: LobeSet,
 }
 
-/// Decides how many samples come next. Shared by [`render`] and the background worker.
+/// Decides how many samples come next.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+struct Plan {
     stop: StopRules,
-    /// Total samples at which the error was judged last, and what it was.
+    /// Samples per pixel at which the error was judged last, and what it was.
     judged: Option<(u32, f64)>,
-    /// Total samples that reach the target by prediction.
+    /// Samples per pixel that reach the target by prediction.
     predicted: Option<u32>,
 }
 
 impl Plan {
-    pub(crate) fn new(stop: StopRules) -> Self {
+    fn new(stop: StopRules) -> Self {
         Self { stop, judged: None, predicted: None }
     }
 
-    /// Samples for the next pass, or why there is none. `seconds` of rendering so far, `error` estimated at `spp` samples.
-    pub(crate) fn next(&mut self, spp: u32, seconds: f64, error: Option<&ErrorEstimate>) -> Result<u32, StopReason> {
-        let limit = self.stop.spp.unwrap_or(SPP_MAX).max(1);
+    /// Samples per pixel for the next pass, or why there is none. `seconds` have gone for `spp` samples, at now `pace` seconds for one;
+    /// `error` is their estimate, if there is one.
+    fn next(&mut self, spp: u32, seconds: f64, pace: f64, error: Option<&ErrorEstimate>) -> Result<u32, StopReason> {
+        let limit = self.limit();
         if spp >= limit {
             return Err(StopReason::Spp);
         }
         if self.judge(spp, error) {
             return Err(StopReason::Error);
         }
-        // Totals 1, 4, 8, 16, …: an image at once, then whole replicates, doubling.
-        let goal = match spp {
-            0 => 1,
-            1..4 => REPLICATES as u32,
-            _ if spp.is_power_of_two() => spp.saturating_mul(2),
-            _ => spp.checked_next_power_of_two().unwrap_or(SPP_MAX),
-        };
-        let goal = self.predicted.unwrap_or(goal).min(limit);
+        let goal = self.predicted.unwrap_or(power(spp)).min(limit);
         let mut step = goal.saturating_sub(spp).max(1);
         if spp > 0 {
-            let per_sample = seconds / f64::from(spp);
-            let cap = |room: f64| (room / per_sample.max(1e-9)).min(f64::from(SPP_MAX)) as u32;
+            let cap = |room: f64| (room / pace.max(1e-9)).min(f64::from(SPP_MAX)) as u32;
             // Not below one sample per replicate: shorter passes cost more than they show.
             let chunk = cap(PASS_SECONDS).max(REPLICATES as u32);
-            step = step.min(if chunk >= 16 { chunk / 16 * 16 } else { chunk });
+            if step > chunk {
+                step = if chunk >= 16 { chunk / 16 * 16 } else { chunk / 4 * 4 };
+            }
             if let Some(end) = self.stop.seconds {
                 let fits = cap(end - seconds);
                 if fits == 0 {
                     return Err(StopReason::Time);
                 }
-                step = step.min(fits);
-            }
-            if spp >= REPLICATES as u32 && step > REPLICATES as u32 {
-                step -= step % REPLICATES as u32;
+                if step > fits {
+                    step = if fits > REPLICATES as u32 { fits / REPLICATES as u32 * REPLICATES as u32 } else { fits };
+                }
             }
         }
         Ok(step)
     }
 
+    fn limit(&self) -> u32 {
+        self.stop.spp.unwrap_or(SPP_MAX).max(1)
+    }
+
+    /// Whether the error at `spp` decides anything.
+    fn is_due(&self, spp: u32) -> bool {
+        match self.predicted {
+            Some(predicted) => spp >= predicted,
+            None => spp >= REPLICATES as u32 && spp.is_power_of_two(),
+        }
+    }
+
     /// Whether the picture is good enough.
     fn judge(&mut self, spp: u32, error: Option<&ErrorEstimate>) -> bool {
         let (Some(target), Some(error)) = (self.stop.relmse, error) else { return false };
-        if let Some(predicted) = self.predicted {
-            return spp >= predicted;
-        }
-        if spp < REPLICATES as u32 || !(spp / REPLICATES as u32).is_power_of_two() || !spp.is_multiple_of(REPLICATES as u32) {
+        if !self.is_due(spp) {
             return false;
         }
-        if error.high <= target {
-            return true;
-        }
-        let half_width = 0.5 * (error.high - error.low);
-        let is_reliable = !error.is_firefly_limited && half_width < HALF_WIDTH_MAX * error.relmse;
-        if is_reliable && error.relmse <= target {
-            return true;
-        }
+        let is_predicted = self.predicted.take().is_some();
+        let is_reliable = !error.is_firefly_limited;
         let ratio = error.relmse / target;
-        if is_reliable && ratio < 2.5 {
+        if error.high <= target || (is_reliable && ratio <= if is_predicted { REACHED } else { 1.0 }) {
+            return true;
+        }
+        if is_reliable && ratio < PREDICTED_RATIO {
             let slope = match self.judged {
                 Some((n, e)) if n < spp => ((e / error.relmse).ln() / (f64::from(spp) / f64::from(n)).ln()).clamp(0.8, 1.6),
                 _ => 1.0,
             };
-            // In quarters of the present count: other counts lose the stratification of the sequence.
-            let quarters = (4.0 * ratio.powf(1.0 / slope)).ceil().clamp(5.0, 16.0);
-            self.predicted = Some((quarters * f64::from(spp) / 4.0) as u32);
+            let needed = f64::from(spp) * ratio.powf(1.0 / slope);
+            // A long way is gone in two steps: no sample can be taken back.
+            let goal = if needed > 1.3 * f64::from(spp) { FIRST_STEP * needed } else { needed };
+            // Whole replicates, except where they would be too coarse a step.
+            let unit = if spp >= 32 { REPLICATES as f64 } else { 1.0 };
+            self.predicted = Some(((goal / unit).round() * unit).clamp(f64::from(spp) + unit, f64::from(SPP_MAX)) as u32);
         }
         self.judged = Some((spp, error.relmse));
         false
+    }
+}
+
+/// The total after `spp`: 1, 4, 8, 16, …: an image at once, then whole replicates, doubling.
+fn power(spp: u32) -> u32 {
+    match spp {
+        0 => 1,
+        1..4 => REPLICATES as u32,
+        _ => (spp + 1).checked_next_power_of_two().unwrap_or(SPP_MAX),
+    }
+}
+
+/// A render under way. Shared by [`render`] and the background worker.
+pub(crate) struct Run<'a> {
+    prepared: &'a Prepared,
+    settings: Settings,
+    plan: Plan,
+    allocation: Option<Allocation>,
+    /// The picture.
+    pub film: Film,
+    /// What was done.
+    pub stats: PassStats,
+    /// Seconds of rendering.
+    pub seconds: f64,
+    /// The latest estimate.
+    pub error: Option<ErrorEstimate>,
+    /// All estimates.
+    pub history: Vec<ErrorPoint>,
+    /// Samples of all pixels at the latest estimate, and the seconds that it took.
+    estimated: (u64, f64),
+    /// Seconds per sample of the last pass.
+    pace: f64,
+    /// Spacing of the pixels that get their first sample now.
+    side: usize,
+}
+
+impl<'a> Run<'a> {
+    /// A render that has no samples yet.
+    pub(crate) fn new(prepared: &'a Prepared, settings: Settings) -> Self {
+        Self {
+            prepared,
+            settings,
+            plan: Plan::new(settings.stop),
+            allocation: None,
+            film: Film::new(settings.width, settings.height),
+            stats: PassStats::default(),
+            seconds: 0.0,
+            error: None,
+            history: Vec::new(),
+            estimated: (0, 0.0),
+            pace: 0.0,
+            side: LATTICE,
+        }
+    }
+
+    /// One pass, or why there is none. After [`StopReason::Cancelled`] the film is as before.
+    pub(crate) fn step(&mut self, cancel: &(dyn Fn() -> bool + Sync)) -> Result<(), StopReason> {
+        let (begin, before) = (Instant::now(), self.seconds);
+        let taken = self.film.total_samples();
+        let result = self.pass(cancel);
+        self.seconds = before + begin.elapsed().as_secs_f64();
+        let new = self.film.total_samples() - taken;
+        if new > 0 {
+            self.pace = (self.seconds - before) / new as f64;
+        }
+        let has_grown = (taken + new) as f64 >= ESTIMATE_GROWTH * self.estimated.0 as f64;
+        let is_due = self.plan.is_due(self.film.spp());
+        if result != Err(StopReason::Cancelled) && (result.is_err() || has_grown || is_due) {
+            self.estimate();
+        }
+        result
+    }
+
+    fn pass(&mut self, cancel: &(dyn Fn() -> bool + Sync)) -> Result<(), StopReason> {
+        let begin = Instant::now();
+        let quotas = self.quotas()?;
+        let room = self.settings.stop.seconds.map(|limit| limit * (1.0 + OVERTIME) - self.seconds);
+        let stop = || cancel() || room.is_some_and(|room| begin.elapsed().as_secs_f64() > room);
+        match render_quotas(self.prepared, &mut self.film, &quotas, self.settings.seed, self.settings.threads, &stop) {
+            Some(stats) => {
+                self.stats.add(&stats);
+                Ok(())
+            }
+            None if cancel() => Err(StopReason::Cancelled),
+            None => Err(StopReason::Time),
+        }
+    }
+
+    /// What the next pass adds.
+    fn quotas(&mut self) -> Result<Vec<Quota>, StopReason> {
+        let (spp, pixels) = (self.film.spp(), self.film.pixels() as u64);
+        if pixels == 0 {
+            return Err(StopReason::Spp);
+        }
+        if spp == 0 {
+            return self.first();
+        }
+        let fresh = self.error.filter(|_| self.estimated.0 == self.film.total_samples());
+        let pace = pixels as f64 * self.pace.max(self.seconds / self.film.total_samples() as f64);
+        // The last estimate takes its time as well.
+        let step = self.plan.next(spp, self.seconds + self.estimated.1, pace, fresh.as_ref())?;
+        if !self.settings.is_adaptive {
+            return Ok(self.film.evenly(step));
+        }
+        if is_decision(spp) {
+            self.allocation = Some(Allocation::new(&self.film));
+        }
+        let goal = (spp + step).min(next_decision(spp));
+        Ok(match &self.allocation {
+            Some(allocation) => self.film.up_to(&allocation.counts(u64::from(goal) * pixels)),
+            None => self.film.evenly(goal - spp),
+        })
+    }
+
+    /// The first sample of every pixel. Where time is short, a coarse lattice comes first, then as much of finer ones as fits.
+    fn first(&mut self) -> Result<Vec<Quota>, StopReason> {
+        let Some(limit) = self.settings.stop.seconds else { return Ok(self.film.evenly(1)) };
+        if self.film.total_samples() == 0 {
+            return Ok(self.film.lattice(LATTICE));
+        }
+        let room = PASS_SECONDS.min(limit - self.seconds);
+        let fits = (room / self.pace.max(1e-9)) as usize;
+        if fits == 0 {
+            return Err(StopReason::Time);
+        }
+        let all = self.film.lattice(1);
+        if all.len() <= fits {
+            return Ok(all);
+        }
+        let mut quotas = self.film.lattice(self.side);
+        while quotas.is_empty() && self.side > 1 {
+            self.side /= 2;
+            quotas = self.film.lattice(self.side);
+        }
+        quotas.truncate(fits);
+        Ok(quotas)
+    }
+
+    fn estimate(&mut self) {
+        let samples = self.film.total_samples();
+        if samples == self.estimated.0 {
+            return;
+        }
+        let begin = Instant::now();
+        self.error = self.film.error_by(self.settings.threads);
+        let (seconds, spp) = (self.seconds, self.film.spp());
+        let point = |e: ErrorEstimate| ErrorPoint { seconds, spp, relmse: e.relmse, low: e.low, high: e.high };
+        self.history.extend(self.error.map(point));
+        self.estimated = (samples, begin.elapsed().as_secs_f64());
+        self.seconds += self.estimated.1;
+    }
+
+    /// Paths per second so far.
+    pub(crate) fn samples_per_second(&self) -> f64 {
+        self.stats.samples as f64 / self.seconds.max(1e-9)
     }
 }
 
@@ -208,52 +386,45 @@ pub fn render_prepared(
     progress: &mut dyn FnMut(&Progress<'_>) -> bool,
 ) -> Rendering {
     let load_seconds = start.elapsed().as_secs_f64();
-    let mut film = Film::new(settings.width, settings.height);
-    let mut plan = Plan::new(settings.stop);
-    let mut total = PassStats::default();
-    let mut seconds = 0.0;
+    let mut run = Run::new(prepared, *settings);
     let mut first_image_seconds = 0.0;
-    let mut error = None;
     let stop_reason = loop {
-        let step = match plan.next(film.spp(), seconds, error.as_ref()) {
-            Ok(step) => step,
-            Err(reason) => break reason,
-        };
-        let begin = Instant::now();
-        let Some(stats) = render_pass(prepared, &mut film, step, settings.seed, settings.threads, &|| false) else {
-            break StopReason::Cancelled;
-        };
-        seconds += begin.elapsed().as_secs_f64();
-        if total.samples == 0 {
+        let is_first = run.stats.samples == 0;
+        if let Err(reason) = run.step(&|| false) {
+            break reason;
+        }
+        if is_first {
             first_image_seconds = start.elapsed().as_secs_f64();
         }
-        total.add(&stats);
-        error = film.error();
-        let samples_per_second = total.samples as f64 / seconds.max(1e-9);
-        if !progress(&Progress { film: &film, seconds, error, samples_per_second }) {
+        let Run { film, seconds, error, history, .. } = &run;
+        let samples_per_second = run.samples_per_second();
+        if !progress(&Progress { film, seconds: *seconds, error: *error, history, samples_per_second }) {
             break StopReason::Cancelled;
         }
     };
     Rendering {
-        film,
-        seconds,
+        error: run.error,
+        history: run.history,
+        seconds: run.seconds,
         load_seconds,
         first_image_seconds,
         stop_reason,
-        nonfinite: total.nonfinite + total.negative,
-        samples: total.samples,
+        nonfinite: run.stats.nonfinite + run.stats.negative,
+        samples: run.stats.samples,
         lobes: prepared.lobes(),
+        film: run.film,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::tests::{mixed, picture};
 
-    fn totals(stop: StopRules, seconds_per_sample: f64, error: impl Fn(u32) -> Option<ErrorEstimate>) -> (Vec<u32>, StopReason) {
+    fn totals(stop: StopRules, pace: f64, error: impl Fn(u32) -> Option<ErrorEstimate>) -> (Vec<u32>, StopReason) {
         let (mut plan, mut spp, mut all) = (Plan::new(stop), 0, Vec::new());
         loop {
-            match plan.next(spp, f64::from(spp) * seconds_per_sample, error(spp).as_ref()) {
+            match plan.next(spp, f64::from(spp) * pace, pace, error(spp).as_ref()) {
                 Ok(step) => spp += step,
                 Err(reason) => return (all, reason),
             }
@@ -279,14 +450,20 @@ mod tests {
     }
 
     #[test]
-    fn error_is_judged_at_powers_of_two() {
-        let estimate = |spp: u32| {
-            let relmse = 1.0 / f64::from(spp.max(1));
-            (spp >= 4).then_some(ErrorEstimate { relmse, low: 0.95 * relmse, high: 1.05 * relmse, is_firefly_limited: false })
-        };
+    fn a_target_between_powers_of_two_is_met() {
         let stop = |target| StopRules { relmse: Some(target), ..StopRules::default() };
-        assert_eq!(totals(stop(1.0 / 64.0), 1e-6, estimate), (vec![1, 4, 8, 16, 32, 64], StopReason::Error));
-        assert_eq!(totals(stop(1.0 / 90.0), 1e-6, estimate), (vec![1, 4, 8, 16, 32, 64, 96], StopReason::Error));
+        for slope in [0.9, 1.0, 1.3] {
+            let estimate = |spp: u32| {
+                let relmse = f64::from(spp.max(1)).powf(-slope);
+                (spp >= 4).then_some(ErrorEstimate { relmse, low: 0.9 * relmse, high: 1.1 * relmse, is_firefly_limited: false })
+            };
+            for needed in [16.0f64, 23.0, 50.0, 64.0, 65.0, 90.0, 127.0, 1000.0] {
+                let target = needed.powf(-slope);
+                let (all, reason) = totals(stop(target), 1e-6, estimate);
+                let reached = f64::from(*all.last().expect("at least one pass")).powf(-slope) / target;
+                assert!(reason == StopReason::Error && (0.8..1.1).contains(&reached), "{slope} {needed}: {reached} {all:?}");
+            }
+        }
         // Fireflies: the upper end decides.
         let wild = |spp: u32| {
             (spp >= 4).then_some(ErrorEstimate {
@@ -297,5 +474,79 @@ mod tests {
             })
         };
         assert_eq!(totals(stop(1.0 / 64.0), 1e-6, wild).0.last(), Some(&128));
+    }
+
+    fn run_to(spp: u32, threads: usize, is_adaptive: bool, seed: u64) -> Film {
+        let stop = StopRules { spp: Some(spp), ..StopRules::default() };
+        let settings = Settings { width: 24, height: 24, seed, threads, stop, is_adaptive };
+        let rendering = render(&mixed(), &settings, &mut |_| true);
+        assert_eq!((rendering.stop_reason, rendering.film.spp()), (StopReason::Spp, spp));
+        assert_eq!(rendering.samples, 24 * 24 * u64::from(spp));
+        rendering.film
+    }
+
+    #[test]
+    fn adaptive_bits_do_not_depend_on_threads_and_passes() {
+        let one = run_to(150, 1, true, 7);
+        let counts = one.samples();
+        assert!(counts.iter().min() < counts.iter().max());
+        for threads in [2, 4] {
+            let film = run_to(150, threads, true, 7);
+            assert_eq!((film.mean(), film.samples()), (one.mean(), counts.clone()), "{threads} threads");
+        }
+        // By other steps to the same total.
+        let scene = mixed();
+        let prepared = Prepared::new(&scene, None);
+        let stop = StopRules { spp: Some(150), ..StopRules::default() };
+        let mut run = Run::new(&prepared, Settings { width: 24, height: 24, seed: 7, threads: 2, stop, is_adaptive: true });
+        for goal in [3, 40, 64, 70, 81, 150] {
+            run.plan.stop.spp = Some(goal);
+            while run.step(&|| false).is_ok() {}
+            assert_eq!(run.film.spp(), goal);
+        }
+        assert_eq!(run.film.mean(), one.mean());
+        assert_eq!(run.film.samples(), counts);
+    }
+
+    #[test]
+    fn adaptive_sampling_keeps_the_mean() {
+        // Against the same number of pictures with equal samples, pixel sums in standard errors of their own scatter.
+        const PICTURES: u64 = 12;
+        let sums = |is_adaptive: bool| -> Vec<f64> {
+            (0..PICTURES)
+                .map(|seed| {
+                    let film = run_to(128, 2, is_adaptive, 2 * seed + u64::from(is_adaptive));
+                    film.mean().iter().flatten().map(|c| f64::from(*c)).sum()
+                })
+                .collect()
+        };
+        let moments = |sums: &[f64]| {
+            let mean = sums.iter().sum::<f64>() / PICTURES as f64;
+            (mean, sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (PICTURES * (PICTURES - 1)) as f64)
+        };
+        let (a, b) = (moments(&sums(true)), moments(&sums(false)));
+        let z = (a.0 - b.0) / (a.1 + b.1).sqrt();
+        assert!(z.abs() < 3.5, "{z}: {a:?} {b:?}");
+    }
+
+    #[test]
+    fn a_time_limit_within_the_first_pass_leaves_a_whole_picture() {
+        let scene = mixed();
+        let prepared = Prepared::new(&scene, None);
+        let stop = StopRules { seconds: Some(1e3), ..StopRules::default() };
+        let mut run = Run::new(&prepared, Settings { width: 40, height: 40, seed: 7, threads: 1, stop, is_adaptive: false });
+        run.step(&|| false).expect("there is time");
+        assert_eq!((run.film.total_samples(), run.film.spp(), run.error), (4, 0, None));
+        assert!(run.film.mean().iter().all(|c| c[0] > 0.0));
+        // Time is up: what came in time is kept, and it is the beginning of the same picture.
+        run.settings.stop.seconds = Some(0.0);
+        run.plan.stop.seconds = Some(0.0);
+        assert_eq!(run.step(&|| false), Err(StopReason::Time));
+        assert_eq!(run.film.total_samples(), 4);
+        run.settings.stop.seconds = Some(1e3);
+        while run.film.spp() == 0 {
+            run.step(&|| false).expect("there is time");
+        }
+        assert_eq!(run.film.mean(), picture(&scene, 40, &[1], 1).0.mean());
     }
 }

@@ -35,6 +35,10 @@ pub(super) enum Group {
     Light,
     /// Opacity, channel of a walk through the body; the rest is spare.
     Medium,
+    /// Candidates for direct light from the environment's table: u, v; the rest is spare.
+    LightCandidate,
+    /// Candidates for direct light from the BSDF, as for `Bsdf`.
+    BsdfCandidate,
 }
 
 /// Direction numbers of dimensions 2 and 3; those of 0 and 1 have closed forms.
@@ -133,6 +137,8 @@ pub(super) fn draw<L: Lanes>(group: Group, vertex: u32, seeds: &Words, indices: 
         Group::Bsdf => 1 + GROUPS_PER_VERTEX * vertex,
         Group::Light => 2 + GROUPS_PER_VERTEX * vertex,
         Group::Medium => 3 + GROUPS_PER_VERTEX * vertex,
+        Group::LightCandidate => 0x4000_0000 + vertex,
+        Group::BsdfCandidate => 0x4001_0000 + vertex,
     };
     let salt = number.wrapping_mul(0x9e37_79b9).wrapping_add(0x3c6e_f372);
     let mut h = [0; MAX_LANES];

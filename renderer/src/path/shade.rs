@@ -1,4 +1,4 @@
-//! Third stage: what happens at a surface. Emission, cut-through, one light connection, one scattered direction, roulette.
+//! Third stage: what happens at a surface. Emission, cut-through, connections to the light (`direct`), scattered directions, roulette.
 //!
 //! One call shades all paths that hit one material, as many at a time as there are lanes. The instance with one lane is the
 //! reference: the same source, the same numbers.
@@ -7,21 +7,22 @@
 
 use super::PassStats;
 use super::batch::{Paths, Shadows, Triples};
+use super::caustics::Role;
 use super::detail::{Footprint, Shading};
 use super::frame::{Frame, Point, point};
 use super::geometry::offset;
 use super::prepared::{Prepared, Surface};
-use super::sampler::{Group, MAX_LANES, draw, per_lane};
+use super::sampler::{Group, MAX_LANES, Words, draw, per_lane};
 use crate::bsdf::dispersion::spectrum;
-use crate::bsdf::{Bsdf, Optics, View, Wavelength, interpret};
-use crate::bvh::{Hit, Ray};
+use crate::bsdf::{Bsdf, Optics, Side, View, Wavelength, interpret};
+use crate::bvh::Hit;
 use crate::lanes::{Kernel, Lanes, Mask};
 use crate::vector::{Rgb, V3};
 use burnish_material::{Inputs, Lobe};
 use glam::Vec3;
 
 /// Scattering events before roulette may end a path. Earlier roulette costs more noise than it saves time, glass above all.
-const ROULETTE_START: u32 = 8;
+pub(super) const ROULETTE_START: u32 = 8;
 
 /// Shades the paths of `list`, all on `surface`. `vertex` counts the interfaces that each of them met before.
 pub(super) struct Shade<'a> {
@@ -98,6 +99,9 @@ impl Shade<'_> {
         let is_met = is_live & !is_passed;
         for (i, id) in id.iter().enumerate().take(ids.len()) {
             self.paths.is_covered[*id] |= is_met.lane(i);
+            if is_met.lane(i) && self.paths.bounces[*id] == 0 {
+                self.paths.is_from_receiver[*id] = surface.role == Role::Receiver;
+            }
         }
         if lobes.has(Lobe::emission) {
             let emitted = throughput * optics.emission;
@@ -122,100 +126,52 @@ impl Shade<'_> {
             is_alive: is_passed,
         };
         if is_scattered.any() {
-            let light = lobes.has(Lobe::dispersion).then(|| self.wavelength(&id));
+            let light = lobes.has(Lobe::dispersion).then(|| wavelength(self.paths, &id));
             let coat_normal = surface.has_coat_normal().then(|| frame.local(coat_normal));
             let view = View { throughput, light, coat_normal, ..View::new(frame.local(wo)) };
             let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &view);
-            let choice: [L; 4] = draw(Group::Light, self.vertex, &seeds, &indices);
-            if prepared.light.is_sampled() {
-                self.connect(&bsdf, &frame, &at, wo, throughput, [medium, go.beyond], choice, is_scattered, &id);
-            }
-            let u: [L; 4] = draw(Group::Bsdf, self.vertex, &seeds, &indices);
+            let media = [medium, go.beyond];
+            let (seeds, indices) = (&seeds, &indices);
+            let here =
+                Encounter { bsdf: &bsdf, frame: &frame, at: &at, wo, throughput, media, is_scattered, id: &id, seeds, indices };
+            let choice: [L; 4] = draw(Group::Light, self.vertex, seeds, indices);
+            self.direct_light(&here, choice);
+            let u: [L; 4] = draw(Group::Bsdf, self.vertex, seeds, indices);
             let is_dispersing = optics.dispersion.gt(L::zero());
-            self.scatter(&bsdf, &frame, &at, wo, choice[3], u, is_scattered, is_dispersing, &id, &mut go);
+            // What a refracting body reflects and what it lets through are both followed where the camera sees it first.
+            if self.vertex == 0 && surface.splits {
+                let mut mirrored = go;
+                self.scatter(&here, Side::Same, choice[3], u, is_dispersing, &mut mirrored);
+                mirrored.is_alive = mirrored.is_alive & is_scattered;
+                let mut branches = id;
+                for (i, branch) in branches.iter_mut().enumerate().take(ids.len()) {
+                    if mirrored.is_alive.lane(i) {
+                        *branch = self.paths.branch(id[i]);
+                    }
+                }
+                self.write(&mirrored, &at, medium, <L::Mask as Mask>::splat(false), &branches[..ids.len()], &hits);
+                self.scatter(&here, Side::Across, choice[3], u, is_dispersing, &mut go);
+            } else {
+                self.scatter(&here, Side::Both, choice[3], u, is_dispersing, &mut go);
+            }
         }
         self.write(&go, &at, medium, is_passed, &id[..ids.len()], &hits);
     }
 
-    /// Wavelengths of the paths.
+    /// One scattered direction on a side of the surface, and roulette.
     #[inline(always)]
-    fn wavelength<L: Lanes>(&self, id: &[usize; MAX_LANES]) -> Wavelength<L> {
-        let weights = per_lane([0.0; 3], |i| spectrum().weights(f64::from(self.paths.wavelength[id[i]])));
-        Wavelength {
-            nm: L::from_fn(|i| self.paths.wavelength[id[i]]),
-            weights: Rgb([0, 1, 2].map(|k| L::from_fn(|i| weights[i][k]))),
-            is_dispersed: <L::Mask as Mask>::from_fn(|i| self.paths.is_dispersed[id[i]]),
-        }
-    }
-
-    /// One light sample, weighted against BSDF sampling by the balance heuristic.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "values that stay in registers")]
-    fn connect<L: Lanes>(
-        &mut self,
-        bsdf: &Bsdf<'_, L>,
-        frame: &Frame<L>,
-        at: &Point<L>,
-        wo: V3<L>,
-        throughput: Rgb<L>,
-        [here, beyond]: [Medium<L>; 2],
-        u: [L; 4],
-        is_scattered: L::Mask,
-        id: &[usize; MAX_LANES],
-    ) {
-        let zero = L::zero();
-        let light = self.prepared.light.sample(u[0], u[1]);
-        let local = frame.local(light.direction);
-        let (value, pdf) = bsdf.eval(local);
-        let outwards = light.direction.dot(at.ng);
-        // A direction must be on the same side of both normals, or light leaks through the surface.
-        let is_consistent = (outwards * local.z).gt(zero);
-        let weight = L::one() / (light.pdf + pdf).max(L::of(1e-30));
-        let c = (throughput * value * light.radiance).scale(weight);
-        let is_used = is_scattered & is_consistent & light.pdf.gt(zero) & !c.max_channel().le(zero);
-        if !is_used.any() {
-            return;
-        }
-        let side = L::select(outwards.gt(zero), L::one(), -L::one());
-        // A connection across the surface starts in the medium beyond it.
-        let is_across = (outwards * wo.dot(at.ng)).lt(zero);
-        let extinction = Rgb::select(is_across, beyond.sigma_a + beyond.sigma_s, here.sigma_a + here.sigma_s);
-        for i in 0..L::WIDTH {
-            if !is_used.lane(i) {
-                continue;
-            }
-            let contribution = lane_of(c, i);
-            if !self.stats.accepts(contribution) {
-                continue;
-            }
-            let direction = lane_vector(light.direction, i);
-            let origin = leave(lane_vector(at.position, i), lane_vector(at.ng, i) * side.lane(i));
-            let excluded = self.paths.hits[id[i]].triangle;
-            self.shadows.rays.push(Ray { excluded, ..Ray::new(origin, direction) });
-            self.shadows.contributions.push(contribution);
-            self.shadows.paths.push(id[i] as u32);
-            self.shadows.sigmas.push(lane_of(extinction, i));
-        }
-    }
-
-    /// One scattered direction, and roulette.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "values that stay in registers")]
     fn scatter<L: Lanes>(
         &mut self,
-        bsdf: &Bsdf<'_, L>,
-        frame: &Frame<L>,
-        at: &Point<L>,
-        wo: V3<L>,
+        here: &Encounter<'_, L>,
+        side: Side,
         roulette: L,
         u: [L; 4],
-        is_scattered: L::Mask,
         is_dispersing: L::Mask,
-        id: &[usize; MAX_LANES],
         go: &mut Continuation<L>,
     ) {
         let zero = L::zero();
-        let sample = bsdf.sample(u);
+        let &Encounter { bsdf, frame, at, wo, is_scattered, id, .. } = here;
+        let sample = bsdf.sample_side(u, side);
         let wi = frame.world(sample.wi).normalize();
         let is_same_side = (wi.dot(at.ng) * wo.dot(at.ng)).gt(zero);
         let is_consistent = (is_same_side & !sample.is_transmission) | (!is_same_side & sample.is_transmission);
@@ -263,6 +219,7 @@ impl Shade<'_> {
         let is_scattering = sigma_s.max_channel().gt(L::zero());
         let outwards = go.direction.dot(at.ng);
         let side = L::select(outwards.gt(L::zero()), L::one(), -L::one());
+        let is_resampled = self.is_resampled();
         for (i, &id) in id.iter().enumerate() {
             if !go.is_alive.lane(i) {
                 continue;
@@ -283,6 +240,13 @@ impl Shade<'_> {
                 self.paths.sigma_a[k][id] = sigma_a.0[k].lane(i);
                 self.paths.sigma_s[k][id] = sigma_s.0[k].lane(i);
             }
+            self.paths.is_from_receiver[id] &= !is_scattering.lane(i);
+            if !is_passed.lane(i) {
+                // What candidates have stood for the path must not find once more.
+                self.paths.is_lit[id] = is_resampled && go.pdf.lane(i) > 0.0;
+                self.paths.is_cold[id] = self.surface.role == Role::Caster;
+            }
+            self.paths.is_cold[id] &= self.paths.is_from_receiver[id];
             if go.is_across.lane(i) {
                 self.paths.body[id] = self.prepared.geometry.triangles[hits[i].triangle as usize][3];
             }
@@ -296,12 +260,31 @@ impl Shade<'_> {
 
 /// Coefficients of a body, 1/normalised unit; zeros outside.
 #[derive(Clone, Copy)]
-struct Medium<L: Lanes> {
-    sigma_a: Rgb<L>,
-    sigma_s: Rgb<L>,
+pub(super) struct Medium<L: Lanes> {
+    /// Absorption.
+    pub sigma_a: Rgb<L>,
+    /// Scattering.
+    pub sigma_s: Rgb<L>,
+}
+
+/// Paths of a group at their surface, about to be connected and scattered.
+pub(super) struct Encounter<'a, L: Lanes> {
+    pub bsdf: &'a Bsdf<'a, L>,
+    pub frame: &'a Frame<L>,
+    pub at: &'a Point<L>,
+    /// To where the paths came from.
+    pub wo: V3<L>,
+    pub throughput: Rgb<L>,
+    /// What the paths are in, and what is behind the surface.
+    pub media: [Medium<L>; 2],
+    pub is_scattered: L::Mask,
+    pub id: &'a [usize; MAX_LANES],
+    pub seeds: &'a Words,
+    pub indices: &'a Words,
 }
 
 /// How the paths of a group go on.
+#[derive(Clone, Copy)]
 struct Continuation<L: Lanes> {
     direction: V3<L>,
     throughput: Rgb<L>,
@@ -344,6 +327,17 @@ pub(super) fn opacity_at(prepared: &Prepared, surface: &Surface, hit: &Hit) -> (
     (optics.opacity, (optics.sigma_a + optics.sigma_s).0)
 }
 
+/// Wavelengths of paths.
+#[inline(always)]
+pub(super) fn wavelength<L: Lanes>(paths: &Paths, id: &[usize; MAX_LANES]) -> Wavelength<L> {
+    let weights = per_lane([0.0; 3], |i| spectrum().weights(f64::from(paths.wavelength[id[i]])));
+    Wavelength {
+        nm: L::from_fn(|i| paths.wavelength[id[i]]),
+        weights: Rgb([0, 1, 2].map(|k| L::from_fn(|i| weights[i][k]))),
+        is_dispersed: <L::Mask as Mask>::from_fn(|i| paths.is_dispersed[id[i]]),
+    }
+}
+
 /// Adds light to a path, or counts why not.
 #[inline(always)]
 pub(super) fn add(paths: &mut Paths, stats: &mut PassStats, path: usize, light: [f32; 3]) {
@@ -356,7 +350,7 @@ pub(super) fn add(paths: &mut Paths, stats: &mut PassStats, path: usize, light: 
 
 /// A point just off its surface, on the side that `n` (unit) points to.
 #[inline(always)]
-fn leave(p: Vec3, n: Vec3) -> Vec3 {
+pub(super) fn leave(p: Vec3, n: Vec3) -> Vec3 {
     Vec3::new(offset(p.x, n.x), offset(p.y, n.y), offset(p.z, n.z))
 }
 
@@ -367,13 +361,13 @@ pub(super) fn load<L: Lanes>(triple: &Triples, id: &[usize; MAX_LANES]) -> [L; 3
 }
 
 #[inline(always)]
-fn load_vector<L: Lanes>(triple: &Triples, id: &[usize; MAX_LANES]) -> V3<L> {
+pub(super) fn load_vector<L: Lanes>(triple: &Triples, id: &[usize; MAX_LANES]) -> V3<L> {
     let [x, y, z] = load(triple, id);
     V3::new(x, y, z)
 }
 
 #[inline(always)]
-fn lane_vector<L: Lanes>(v: V3<L>, i: usize) -> Vec3 {
+pub(super) fn lane_vector<L: Lanes>(v: V3<L>, i: usize) -> Vec3 {
     Vec3::new(v.x.lane(i), v.y.lane(i), v.z.lane(i))
 }
 

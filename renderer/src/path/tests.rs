@@ -1,7 +1,7 @@
 //! Whole renders of small scenes whose result is known.
 
 use super::batch::Batch;
-use super::raygen::{Raygen, Tile, View};
+use super::raygen::{Place, Raygen, Tile, View};
 use super::shade::Shade;
 use super::trace::trace;
 use super::*;
@@ -98,7 +98,7 @@ pub(super) fn average(film: &Film) -> f64 {
     mean.iter().flatten().map(|c| f64::from(*c)).sum::<f64>() / (3 * mean.len()) as f64
 }
 
-fn mixed() -> Scene {
+pub(super) fn mixed() -> Scene {
     let mut floor = sphere(0.5, 12);
     floor.positions.iter_mut().for_each(|p| *p += Vec3::new(0.9, -0.6, 0.2));
     scene(vec![object(sphere(1.0, 24), glass()), object(floor, white())], window())
@@ -226,7 +226,8 @@ fn one_lane_shades_as_many_do() {
     let scene = mixed();
     let prepared = Prepared::new(&scene, None);
     let view = View::new(&prepared, 32, 32);
-    let tile = Tile { x: 0, y: 0, width: 32, height: 32, first: 0, count: 1 };
+    let places: Vec<Place> = (0..1024).map(|pixel| Place { cell: pixel, pixel, sample: 0 }).collect();
+    let tile = Tile { places: &places };
     let run = |is_wide: bool| {
         let mut batch = Batch::default();
         let mut stats = PassStats::default();
@@ -252,7 +253,7 @@ fn one_lane_shades_as_many_do() {
     let (one, wide) = (run(false), run(true));
     assert!(!one.next.is_empty() && !one.shadows.rays.is_empty());
     assert_eq!(one.next, wide.next);
-    assert_eq!(one.shadows.paths, wide.shadows.paths);
+    assert_eq!(one.shadows.targets, wide.shadows.targets);
     for (a, b) in one.shadows.contributions.iter().flatten().zip(wide.shadows.contributions.iter().flatten()) {
         assert!((a - b).abs() <= 1e-5 * b.abs(), "{a} {b}");
     }
@@ -269,8 +270,14 @@ fn nothing_and_odd_sizes_render() {
     let (film, stats) = picture(&empty, 17, &[2], 2);
     assert!(film.mean().iter().flatten().all(|c| (c - 0.5).abs() < 1e-6) && film.alpha().iter().all(|a| *a == 0.0));
     assert_eq!(stats.nonfinite, 0);
-    let settings =
-        Settings { width: 0, height: 5, seed: 0, threads: 0, stop: StopRules { spp: Some(3), ..StopRules::default() } };
+    let settings = Settings {
+        width: 0,
+        height: 5,
+        seed: 0,
+        threads: 0,
+        stop: StopRules { spp: Some(3), ..StopRules::default() },
+        is_adaptive: true,
+    };
     assert_eq!(render(&mixed(), &settings, &mut |_| true).stop_reason, StopReason::Spp);
 }
 

@@ -1,0 +1,201 @@
+//! Direct light: connections of a surface to the environment.
+//!
+//! In general one direction is drawn from the light and weighed against the one that the BSDF draws for the path itself (balance
+//! heuristic). On what the camera sees first, where most of the error of a picture comes from, several directions are drawn from both, and
+//! one of them is connected in proportion to what each would bring: resampled importance sampling (Talbot et al. 2005) with the same
+//! weights. It costs the rays of one connection, and where nothing stands in the way it is as good as all of the candidates, which are
+//! stratified among themselves. What refracts gains nothing by it: there the light comes through another surface. Surfaces that
+//! only mirror or refract sharply are not connected at all.
+
+use super::caustics::Role;
+use super::sampler::{Group, Words, draw, per_lane};
+use super::shade::{Encounter, Shade, lane_of, lane_vector, leave};
+use crate::bsdf::Optics;
+use crate::bvh::Ray;
+use crate::lanes::{Lanes, Mask};
+use crate::vector::{Rgb, V3};
+use burnish_material::{Lobe, LobeSet, Property};
+
+/// Candidates from the light's table; a power of two, so that candidates of consecutive samples form one sequence.
+const LIGHT_CANDIDATES: u32 = 4;
+/// Candidates from the BSDF of a surface with highlights.
+const GLOSSY_CANDIDATES: u32 = 4;
+/// The same of others.
+const MATT_CANDIDATES: u32 = 2;
+
+/// What is left to choose from of the candidates seen so far.
+struct Reservoir<L: Lanes> {
+    /// Sum of the candidates' luminances.
+    sum: L,
+    /// Luminance of the chosen one.
+    luminance: L,
+    /// What it would bring.
+    light: Rgb<L>,
+    direction: V3<L>,
+    /// A number in `[0, 1)` that makes the choices.
+    u: L,
+}
+
+impl<L: Lanes> Reservoir<L> {
+    #[inline(always)]
+    fn new(u: L) -> Self {
+        let zero = L::zero();
+        Self { sum: zero, luminance: zero, light: Rgb::black(), direction: V3::new(zero, zero, L::one()), u }
+    }
+
+    /// Takes a candidate into account where the mask holds.
+    #[inline(always)]
+    fn consider(&mut self, is_used: L::Mask, light: Rgb<L>, direction: V3<L>) {
+        let [r, g, b] = light.0;
+        let luminance = r * L::of(0.25) + g * L::of(0.5) + b * L::of(0.25);
+        let luminance = L::select(is_used & luminance.gt(L::zero()) & luminance.is_finite(), luminance, L::zero());
+        self.sum += luminance;
+        let share = luminance / L::select(self.sum.gt(L::zero()), self.sum, L::one());
+        let is_chosen = self.u.lt(share);
+        // What is left of the number is uniform again.
+        let (low, width) = (L::select(is_chosen, L::zero(), share), L::select(is_chosen, share, L::one() - share));
+        self.u = ((self.u - low) / L::select(width.gt(L::zero()), width, L::one())).max(L::zero()).min(L::of(1.0 - 1e-7));
+        self.luminance = L::select(is_chosen, luminance, self.luminance);
+        self.light = Rgb::select(is_chosen, light, self.light);
+        self.direction = V3::select(is_chosen, direction, self.direction);
+    }
+}
+
+/// How a surface is connected to the light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Connection {
+    /// Not at all: no direction of the light is one of its own.
+    None,
+    /// By one direction.
+    One,
+    /// Seen first, by one of several candidates; else as above. The number of candidates from the BSDF, a power of two.
+    Candidates(u32),
+}
+
+impl Connection {
+    /// The best for a material with these uniform values; `varies` tells which are replaced by images.
+    pub(super) fn of(optics: &Optics<f64>, lobes: LobeSet, varies: impl Fn(Property) -> bool) -> Self {
+        let has = |lobe| lobes.has(lobe);
+        let is_coat_sharp = !has(Lobe::coat) || (optics.coat_is_smooth && !varies(Property::coat_roughness));
+        let is_sharp = optics.is_smooth && !varies(Property::roughness) && is_coat_sharp;
+        if is_sharp && !has(Lobe::diffuse) && !has(Lobe::sheen) && !(has(Lobe::metal) && has(Lobe::multiple_scattering)) {
+            return Self::None;
+        }
+        if has(Lobe::transmission) {
+            return Self::One;
+        }
+        let has_gloss = has(Lobe::metal) || has(Lobe::specular) || has(Lobe::coat);
+        Self::Candidates(if has_gloss { GLOSSY_CANDIDATES } else { MATT_CANDIDATES })
+    }
+}
+
+impl Shade<'_> {
+    /// Number of candidates from the BSDF, where there are any.
+    fn candidates(&self) -> Option<u32> {
+        match self.surface.connection {
+            Connection::Candidates(n) if self.vertex == 0 && self.prepared.resamples && self.prepared.light.is_sampled() => {
+                Some(n)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether connections bring all light that the next ray might find by a lobe that is not delta.
+    pub(super) fn is_resampled(&self) -> bool {
+        self.candidates().is_some()
+    }
+
+    /// Connections of paths to the environment. `u` are the numbers of [`Group::Light`].
+    #[inline(always)]
+    pub(super) fn direct_light<L: Lanes>(&mut self, here: &Encounter<'_, L>, u: [L; 4]) {
+        if self.surface.connection == Connection::None || !self.prepared.light.is_sampled() {
+            return;
+        }
+        if let Some(count) = self.candidates() {
+            return self.resample(here, count, u);
+        }
+        let light = self.prepared.light.sample(u[0], u[1]);
+        let (value, pdf) = here.bsdf.eval(here.frame.local(light.direction));
+        let radiance = self.found(here, light.radiance);
+        let weight = L::one() / (light.pdf + pdf).max(L::of(1e-30));
+        let brought = (here.throughput * value * radiance).scale(weight);
+        self.push(here, light.pdf.gt(L::zero()), light.direction, brought);
+    }
+
+    /// One connection for several candidates, `from_bsdf` of them drawn from the BSDF.
+    #[inline(always)]
+    fn resample<L: Lanes>(&mut self, here: &Encounter<'_, L>, from_bsdf: u32, u: [L; 4]) {
+        let zero = L::zero();
+        let counts = [LIGHT_CANDIDATES, from_bsdf].map(|n| L::of(f64::from(n)));
+        let weight = |light: L, bsdf: L| L::one() / (counts[0] * light + counts[1] * bsdf).max(L::of(1e-30));
+        let numbers = |j: u32, n: u32| -> Words { per_lane(0, |i| here.indices[i].wrapping_mul(n).wrapping_add(j)) };
+        // The same side of both normals, which is the viewer's.
+        let is_outer = |direction: V3<L>, local: V3<L>| (direction.dot(here.at.ng) * local.z).gt(zero);
+        let mut reservoir = Reservoir::new(u[2]);
+        for j in 0..LIGHT_CANDIDATES {
+            let x: [L; 4] = draw(Group::LightCandidate, self.vertex, here.seeds, &numbers(j, LIGHT_CANDIDATES));
+            let light = self.prepared.light.sample(x[0], x[1]);
+            let local = here.frame.local(light.direction);
+            let (value, pdf) = here.bsdf.eval(local);
+            let brought = (here.throughput * value * light.radiance).scale(weight(light.pdf, pdf));
+            reservoir.consider(light.pdf.gt(zero) & is_outer(light.direction, local), brought, light.direction);
+        }
+        for j in 0..from_bsdf {
+            let x: [L; 4] = draw(Group::BsdfCandidate, self.vertex, here.seeds, &numbers(j, from_bsdf));
+            // Lobes by turns: the candidates of a sample share a number for it.
+            let lobe = (u[0] + L::of(f64::from(j))) * L::of(1.0 / f64::from(from_bsdf));
+            let sample = here.bsdf.sample([lobe, x[0], x[1], zero]);
+            let direction = here.frame.world(sample.wi).normalize();
+            let (radiance, pdf) = self.prepared.light.eval(direction);
+            let brought = (here.throughput * sample.weight * radiance).scale(sample.pdf * weight(pdf, sample.pdf));
+            let is_used = sample.is_valid & !sample.is_delta & is_outer(direction, sample.wi);
+            reservoir.consider(is_used, brought, direction);
+        }
+        let scale = reservoir.sum / L::select(reservoir.luminance.gt(zero), reservoir.luminance, L::one());
+        self.push(here, reservoir.luminance.gt(zero), reservoir.direction, reservoir.light.scale(scale));
+    }
+
+    /// Radiance of the environment less what photons bring.
+    #[inline(always)]
+    fn found<L: Lanes>(&self, here: &Encounter<'_, L>, radiance: Rgb<L>) -> Rgb<L> {
+        if self.surface.role != Role::Caster {
+            return radiance;
+        }
+        let is_cold = <L::Mask as Mask>::from_fn(|i| self.paths.is_from_receiver[here.id[i]]);
+        Rgb::select(is_cold, self.prepared.light.cold(radiance), radiance)
+    }
+
+    /// Notes connections that are to be found free.
+    #[inline(always)]
+    fn push<L: Lanes>(&mut self, here: &Encounter<'_, L>, is_used: L::Mask, direction: V3<L>, brought: Rgb<L>) {
+        let zero = L::zero();
+        let outwards = direction.dot(here.at.ng);
+        // A direction must be on the same side of both normals, or light leaks through the surface.
+        let is_consistent = (outwards * here.frame.local(direction).z).gt(zero);
+        let is_used = is_used & here.is_scattered & is_consistent & !brought.max_channel().le(zero);
+        if !is_used.any() {
+            return;
+        }
+        let side = L::select(outwards.gt(zero), L::one(), -L::one());
+        // A connection across the surface starts in the medium beyond it.
+        let is_across = (outwards * here.wo.dot(here.at.ng)).lt(zero);
+        let [near, beyond] = here.media;
+        let extinction = Rgb::select(is_across, beyond.sigma_a + beyond.sigma_s, near.sigma_a + near.sigma_s);
+        for i in 0..L::WIDTH {
+            if !is_used.lane(i) {
+                continue;
+            }
+            let contribution = lane_of(brought, i);
+            if !self.stats.accepts(contribution) {
+                continue;
+            }
+            let direction = lane_vector(direction, i);
+            let origin = leave(lane_vector(here.at.position, i), lane_vector(here.at.ng, i) * side.lane(i));
+            let excluded = self.paths.hits[here.id[i]].triangle;
+            self.shadows.rays.push(Ray { excluded, ..Ray::new(origin, direction) });
+            self.shadows.contributions.push(contribution);
+            self.shadows.targets.push(here.id[i] as u32);
+            self.shadows.sigmas.push(lane_of(extinction, i));
+        }
+    }
+}
