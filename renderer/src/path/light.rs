@@ -237,7 +237,8 @@ impl Light {
 
     #[inline(always)]
     fn draw<L: Lanes>(&self, table: Option<&Distribution>, u0: L, u1: L) -> LightSample<L> {
-        let (u, v, density) = table.map_or((u0, u1, L::zero()), |table| table.sample(u0, u1));
+        // No closures around lanes: they are not always inlined into code for wider instructions.
+        let (u, v, density) = if let Some(table) = table { table.sample(u0, u1) } else { (u0, u1, L::zero()) };
         let (sin_phi, cos_phi) = sin_cos_turn(u);
         let (sin_theta, cos_theta) = sin_cos_turn(v * L::of(0.5));
         let (x, y, z) = (sin_theta * sin_phi, cos_theta, -(sin_theta * cos_phi));
@@ -251,7 +252,7 @@ impl Light {
 
     #[inline(always)]
     fn density_at<L: Lanes>(&self, u: L, v: L, sin_theta: L) -> L {
-        let density = self.tables.compensated.as_ref().map_or(L::zero(), |table| table.density(u, v));
+        let density = if let Some(table) = &self.tables.compensated { table.density(u, v) } else { L::zero() };
         density / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN)))
     }
 
