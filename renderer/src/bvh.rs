@@ -83,7 +83,7 @@ impl Ray {
 
 /// Children of a node: lower bounds of x, y, z, then upper ones. Empty slots are inside out.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(align(32))]
 struct Node {
     bounds: [[f32; 8]; 6],
     children: [u32; 8],
@@ -91,7 +91,7 @@ struct Node {
 
 /// Four triangles: `corners[vertex][axis][triangle]`. Unused slots repeat a point and are never hit.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(align(32))]
 struct Block {
     corners: [[[f32; 4]; 3]; 3],
     ids: [u32; 4],

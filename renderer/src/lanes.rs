@@ -74,9 +74,9 @@ pub trait Lanes:
     fn lane(self, i: usize) -> f32;
     /// Applies a function to every lane.
     fn map(self, f: impl Fn(f64) -> f64) -> Self;
-    /// Reads `table[index]` per lane; the index is a whole number, clamped into the table.
+    /// Reads `table[index]` per lane; the index is a whole number, clamped into the table. An empty one gives zeros.
     fn gather(table: &[f32], index: Self) -> Self;
-    /// Reads `table[index[i]]` in lane `i`; indices are clamped into the table, and an empty one gives zeros.
+    /// Reads `table[index[i]]` in lane `i`; indices are clamped into the table. An empty one gives zeros.
     fn gather_at(table: &[f32], index: &[usize; MAX_LANES]) -> Self;
     /// Square root; negative arguments count as 0.
     fn sqrt(self) -> Self;
@@ -111,10 +111,12 @@ pub trait Lanes:
     /// `self <= other`.
     fn le(self, other: Self) -> Self::Mask;
     /// `self > other`.
+    #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
     /// `self >= other`.
+    #[inline(always)]
     fn ge(self, other: Self) -> Self::Mask {
         other.le(self)
     }
@@ -128,22 +130,27 @@ pub trait Lanes:
     fn call<R: Routine<Self>>(routine: R) -> R::Output;
 
     /// 0.
+    #[inline(always)]
     fn zero() -> Self {
         Self::of(0.0)
     }
     /// 1.
+    #[inline(always)]
     fn one() -> Self {
         Self::of(1.0)
     }
     /// Clamped to `[0, 1]`.
+    #[inline(always)]
     fn sat(self) -> Self {
         self.max(Self::zero()).min(Self::one())
     }
     /// `self + t (b - self)`.
+    #[inline(always)]
     fn lerp(self, b: Self, t: Self) -> Self {
         self + t * (b - self)
     }
     /// Square.
+    #[inline(always)]
     fn sqr(self) -> Self {
         self * self
     }
@@ -187,8 +194,7 @@ macro_rules! scalar_lanes {
             }
             #[inline(always)]
             fn gather(table: &[f32], index: Self) -> Self {
-                let last = table.len() - 1;
-                Self::from(table[(index as usize).min(last)])
+                table.get(index as usize).or(table.last()).map_or(0.0, |x| Self::from(*x))
             }
             #[inline(always)]
             fn gather_at(table: &[f32], index: &[usize; MAX_LANES]) -> Self {
@@ -352,6 +358,17 @@ pub trait Routine<L: Lanes> {
 #[inline(never)]
 fn call_plain<L: Lanes, R: Routine<L>>(routine: R) -> R::Output {
     routine.run()
+}
+
+/// Asks for `table[index]`, if there is one, to be brought near: it will be read soon.
+#[inline(always)]
+pub fn prefetch<T>(table: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(value) = table.get(index) {
+        avx512::prefetch(value);
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (table, index);
 }
 
 /// A stage of work over many rays that can run at any width. `run` must be `#[inline(always)]`, so that it is compiled

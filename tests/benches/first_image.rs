@@ -27,8 +27,14 @@ fn run() -> Result<(), Box<dyn Error>> {
     options.scene = words.first().map(Into::into);
     let material = if options.scene.is_some() { None } else { Some("preset:Moulded plastic, red") };
     let mut scene = options.load(material, None, &mut Messages::default())?.scene;
-    let settings =
-        Settings { width: side, height: side, seed: 0, threads: options.threads(), stop: StopRules::default(), is_adaptive: true };
+    let settings = Settings {
+        width: side,
+        height: side,
+        seed: 0,
+        threads: options.threads(),
+        stop: StopRules::default(),
+        is_adaptive: true,
+    };
 
     let (sender, pictures) = channel();
     let note = move || {

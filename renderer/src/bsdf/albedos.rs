@@ -316,11 +316,23 @@ impl Grid {
     pub fn at<L: Lanes>(&self, quantity: Quantity, place: &Place<L>, slant: &Slant<L>) -> L {
         let (na, nc) = (L::of(self.azimuths as f64), L::of(self.cosines as f64));
         let begin = L::of(self.begins[quantity as usize] as f64);
-        self.over_numbers(place, |row| {
-            let i = begin + (row * na + slant.azimuth) * nc + slant.cosine;
-            let pair = |i: L| L::gather(&self.values, i).lerp(L::gather(&self.values, i + L::one()), slant.cosine_fraction);
-            if self.azimuths > 1 { pair(i).lerp(pair(i + nc), slant.azimuth_fraction) } else { pair(i) }
-        })
+        self.over_numbers(place, begin, Some((slant, na, nc)))
+    }
+
+    /// Two neighbours in the cosine.
+    #[inline(always)]
+    fn pair<L: Lanes>(&self, i: L, fraction: L) -> L {
+        L::gather(&self.values, i).lerp(L::gather(&self.values, i + L::one()), fraction)
+    }
+
+    /// A row of the table that begins at `begin`: its mean, or its value for a direction (and the counts of azimuths and cosines). No closure,
+    /// because those are not always inlined into code for wider instructions.
+    #[inline(always)]
+    fn row<L: Lanes>(&self, begin: L, row: L, slant: Option<(&Slant<L>, L, L)>) -> L {
+        let Some((slant, na, nc)) = slant else { return L::gather(&self.means, begin + row) };
+        let i = begin + (row * na + slant.azimuth) * nc + slant.cosine;
+        let first = self.pair(i, slant.cosine_fraction);
+        if self.azimuths > 1 { first.lerp(self.pair(i + nc, slant.cosine_fraction), slant.azimuth_fraction) } else { first }
     }
 
     /// Cosine-weighted mean of a quantity over all directions: exactly that of what [`Self::at`] returns, so that lobes built from
@@ -329,18 +341,18 @@ impl Grid {
     pub fn mean<L: Lanes>(&self, quantity: Quantity, place: &Place<L>) -> L {
         let size = self.azimuths * self.cosines;
         let begin = L::of((self.begins[quantity as usize] / size) as f64);
-        self.over_numbers(place, |row| L::gather(&self.means, begin + row))
+        self.over_numbers(place, begin, None)
     }
 
-    /// Multilinear interpolation of `value` (of a row) over the numbers that vary.
+    /// Multilinear interpolation of rows over the numbers that vary.
     #[inline(always)]
-    fn over_numbers<L: Lanes>(&self, place: &Place<L>, value: impl Fn(L) -> L) -> L {
+    fn over_numbers<L: Lanes>(&self, place: &Place<L>, begin: L, slant: Option<(&Slant<L>, L, L)>) -> L {
         let mut varying = 0;
         for k in 0..AXES {
             varying += usize::from(self.counts[k] > 1);
         }
         if varying == 0 {
-            return value(L::zero());
+            return self.row(begin, L::zero(), slant);
         }
         let mut sum = L::zero();
         for corner in 0..1usize << varying {
@@ -355,7 +367,7 @@ impl Grid {
                 row = row * L::of(self.counts[k] as f64) + place.index[k] + step;
                 weight *= if is_upper { place.fraction[k] } else { L::one() - place.fraction[k] };
             }
-            sum += weight * value(row);
+            sum += weight * self.row(begin, row, slant);
         }
         sum
     }

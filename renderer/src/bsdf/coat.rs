@@ -13,7 +13,8 @@ pub fn coat_exponent<L: Lanes>(mu: L) -> L {
 #[inline(always)]
 pub fn coat_passage<L: Lanes>(ln_tint: Rgb<L>, mu: L) -> Rgb<L> {
     let p = coat_exponent(mu);
-    ln_tint.map(|t| (t * p).exp())
+    let Rgb([r, g, b]) = ln_tint.scale(p);
+    Rgb([r.exp(), g.exp(), b.exp()])
 }
 
 /// Axes of a coat with normals of its own, in the frame of the base. Which tangents does not matter: the coat is isotropic.

@@ -47,7 +47,8 @@ impl<L: Lanes> Bsdf<'_, L> {
             let share = o.w_transmission * self.glass_gain;
             transmitted = o.transmission_tint.scale(share * (L::one() - f));
             if self.lobes.has(Lobe::dispersion) {
-                let f = self.eta_channels.map(|eta| fresnel(cos_om, eta));
+                let Rgb([r, g, b]) = self.eta_channels;
+                let f = Rgb([fresnel(cos_om, r), fresnel(cos_om, g), fresnel(cos_om, b)]);
                 reflected = reflected + (tint * f).scale(share);
                 transmitted = transmitted * self.spectral;
             } else {

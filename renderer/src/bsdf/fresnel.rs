@@ -66,11 +66,27 @@ pub fn f82_tint<L: Lanes>(mu: L, r: Rgb<L>, b: Rgb<L>) -> Rgb<L> {
     let u = L::one() - mu;
     let u2 = u * u;
     let u5 = u2 * u2 * u;
-    r.zip(b, |r, b| (r + (L::one() - r - b * mu * u) * u5).sat())
+    let Rgb([r0, r1, r2]) = r;
+    let Rgb([b0, b1, b2]) = b;
+    Rgb([f82_channel(r0, b0, mu, u, u5), f82_channel(r1, b1, mu, u, u5), f82_channel(r2, b2, mu, u, u5)])
+}
+
+/// One channel of [`f82_tint`], with `u = 1 - mu` and its fifth power.
+#[inline(always)]
+fn f82_channel<L: Lanes>(r: L, b: L, mu: L, u: L, u5: L) -> L {
+    (r + (L::one() - r - b * mu * u) * u5).sat()
 }
 
 /// Cosine-weighted mean of [`f82_tint`], clamped to `[0, 1]`. Exact where the curve needs no clamp.
 #[inline(always)]
 pub fn f82_average<L: Lanes>(r: Rgb<L>, b: Rgb<L>) -> Rgb<L> {
-    r.zip(b, |r, b| (r + (L::one() - r) * L::of(1.0 / 21.0) - b * L::of(1.0 / 126.0)).sat())
+    let Rgb([r0, r1, r2]) = r;
+    let Rgb([b0, b1, b2]) = b;
+    Rgb([f82_channel_average(r0, b0), f82_channel_average(r1, b1), f82_channel_average(r2, b2)])
+}
+
+/// One channel of [`f82_average`].
+#[inline(always)]
+fn f82_channel_average<L: Lanes>(r: L, b: L) -> L {
+    (r + (L::one() - r) * L::of(1.0 / 21.0) - b * L::of(1.0 / 126.0)).sat()
 }

@@ -4,7 +4,7 @@ use super::dispersion::{dispersed_ior, spectrum};
 use super::fresnel::{f0_from_ior, f82_coefficient, ior_from_f0, level_to_ior};
 use super::ggx::alphas;
 use super::sheen::SHEEN_ROUGHNESS_MIN;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Routine};
 use crate::vector::Rgb;
 use burnish_material::{Inputs, Lobe, LobeSet};
 use std::f64::consts::PI;

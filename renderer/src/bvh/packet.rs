@@ -7,7 +7,7 @@
 use super::order::{Order, dominant_axis};
 use super::single::{WIDEN, edges_in_double, rows};
 use super::{Block, Bvh, EMPTY, Hit, LEAF, NONE, Ray};
-use crate::lanes::{Kernel, Lanes, MAX_LANES, Mask};
+use crate::lanes::{Kernel, Lanes, MAX_LANES, Mask, prefetch};
 
 /// Nearest hits.
 pub(super) struct Trace<'a> {
@@ -163,6 +163,16 @@ impl<L: Lanes> Packet<L> {
 }
 
 impl Bvh {
+    /// Brings a child near that will be visited soon.
+    #[inline(always)]
+    fn prefetch(&self, child: u32) {
+        if child & LEAF != 0 {
+            prefetch(&self.blocks, (child & !LEAF) as usize);
+        } else {
+            prefetch(&self.nodes, child as usize);
+        }
+    }
+
     /// Walks the tree with the rays `ids`. With `ANY`, a ray ends at the first hit found.
     #[inline(always)]
     fn walk_packet<L: Lanes, const ANY: bool>(&self, rays: &[Ray], ids: &[u32], stack: &mut Stack<L>) -> Found<L> {
@@ -204,6 +214,7 @@ impl Bvh {
                     if !is_met.any() {
                         continue;
                     }
+                    self.prefetch(node.children[slot]);
                     nears[slot] = near;
                     let least = if ANY { 0.0 } else { L::select(is_met, near, L::splat(f32::INFINITY)).least_lane() };
                     let mut k = count;

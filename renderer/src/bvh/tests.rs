@@ -140,7 +140,8 @@ fn an_excluded_triangle_is_passed() {
 fn awkward_rays(triangles: &[[Vec3; 3]], numbers: &mut Numbers) -> Vec<Ray> {
     let mut rays = Vec::new();
     for i in 0..6000 {
-        let [a, b, c] = triangles[(numbers.next() * triangles.len() as f32) as usize % triangles.len()];
+        let target = (numbers.next() * triangles.len() as f32) as usize % triangles.len();
+        let [a, b, c] = triangles[target];
         let middle = (a + b + c) / 3.0;
         let origin = if i % 5 == 0 { middle } else { numbers.point() * 1.5 };
         let aim = match i % 4 {
@@ -162,7 +163,7 @@ fn awkward_rays(triangles: &[[Vec3; 3]], numbers: &mut Numbers) -> Vec<Ray> {
             ray.t_min = numbers.next() * 0.5;
         }
         if i % 3 == 0 {
-            ray.excluded = (numbers.next() * triangles.len() as f32) as u32;
+            ray.excluded = target as u32;
         }
         rays.push(ray);
     }

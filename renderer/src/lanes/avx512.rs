@@ -9,7 +9,7 @@
 #![expect(unsafe_code, reason = "instructions that were detected before these types can be named")]
 
 use super::wide::each;
-use super::{Lanes, MAX_LANES, Mask, elementary, Routine};
+use super::{Lanes, MAX_LANES, Mask, Routine, elementary};
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub};
 
@@ -19,6 +19,16 @@ pub(super) fn is_there() -> bool {
         && is_x86_feature_detected!("avx512dq")
         && is_x86_feature_detected!("avx512vl")
         && is_x86_feature_detected!("avx512bw")
+}
+
+/// Asks for a value of a table to be brought near. Every processor of this kind has the instruction.
+#[inline(always)]
+pub(super) fn prefetch<T>(value: &T) {
+    const LINE: usize = 64;
+    for at in (0..size_of::<T>()).step_by(LINE) {
+        // SAFETY: the address lies within a value that is borrowed; nothing is read.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast::<i8>().add(at)) };
+    }
 }
 
 /// Sixteen single-precision numbers.
@@ -162,7 +172,7 @@ impl Lanes for V16 {
     }
     #[inline(always)]
     fn gather(table: &[f32], index: Self) -> Self {
-        let last = table.len() - 1;
+        let Some(last) = table.len().checked_sub(1) else { return Self::of(0.0) };
         if last > i32::MAX as usize {
             let index = index.to_array();
             return Self::from_fn(|i| table[(index[i] as usize).min(last)]);

@@ -75,6 +75,7 @@ fn all<L: Lanes>(a: L, b: L, table: &[f32]) -> Vec<L> {
         L::gather(table, b),
         L::gather_at(table, &index),
         L::gather_at(&[], &index),
+        L::gather(&[], b),
         flag(a.lt(b)),
         flag(a.le(b)),
         flag(a.eq(b)),

@@ -1,6 +1,6 @@
 //! Lanes as arrays that the compiler turns into vectors: for AVX2, and for processors without either.
 
-use super::{Lanes, MAX_LANES, Mask, elementary, Routine, call_plain};
+use super::{Lanes, MAX_LANES, Mask, Routine, call_plain, elementary};
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub};
 
 /// `N` single-precision lanes.
@@ -181,12 +181,17 @@ impl<const N: usize> Lanes for Wide<N> {
     }
     #[inline(always)]
     fn gather(table: &[f32], index: Self) -> Self {
-        let last = table.len() - 1;
-        Self(each(|i| table[(index.0[i] as usize).min(last)]))
+        let Some(last) = table.len().checked_sub(1) else { return Self([0.0; N]) };
+        // SAFETY: the table is not empty, and indices are clamped to its last. A check in every lane makes thousands of branches.
+        #[expect(unsafe_code, reason = "the index has been clamped")]
+        Self(each(|i| unsafe { *table.get_unchecked((index.0[i] as usize).min(last)) }))
     }
     #[inline(always)]
     fn gather_at(table: &[f32], index: &[usize; MAX_LANES]) -> Self {
-        Self(each(|i| table.get(index[i]).or(table.last()).copied().unwrap_or(0.0)))
+        let Some(last) = table.len().checked_sub(1) else { return Self([0.0; N]) };
+        // SAFETY: as above.
+        #[expect(unsafe_code, reason = "the index has been clamped")]
+        Self(each(|i| unsafe { *table.get_unchecked(index[i].min(last)) }))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {

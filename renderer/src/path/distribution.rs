@@ -74,9 +74,14 @@ impl Distribution {
     /// Density over the square at a point.
     #[inline(always)]
     pub(super) fn density<L: Lanes>(&self, u: L, v: L) -> L {
-        let cell = |x: L, n: usize| (x * L::of(n as f64)).floor().max(L::zero()).min(L::of((n - 1) as f64));
         L::gather(&self.density, cell(v, self.rows) * L::of(self.columns as f64) + cell(u, self.columns))
     }
+}
+
+/// The cell of `n` that a number in `[0, 1]` lies in.
+#[inline(always)]
+fn cell<L: Lanes>(x: L, n: usize) -> L {
+    (x * L::of(n as f64)).floor().max(L::zero()).min(L::of((n - 1) as f64))
 }
 
 /// Largest `i < count` with `table[base + i] <= u`, and where `u` lies between it and the next, `[0, 1)`.

@@ -86,24 +86,40 @@ pub(super) fn point<L: Lanes>(geometry: &Geometry, hits: &[Hit; MAX_LANES], need
     let v = L::from_fn(|i| hits[i].v);
     let w = L::one() - u - v;
     let (vertices, normals) = (geometry.vertices.as_flattened(), geometry.normals.as_flattened());
-    let attribute = |k: usize| {
-        let at = |c: usize| L::gather_at(&vertices[k..], &corners[c]);
-        at(0) * w + at(1) * u + at(2) * v
-    };
-    let vector = |k: usize| V3::new(attribute(k), attribute(k + 1), attribute(k + 2));
-    let normal = |k: usize| L::gather_at(&normals[k..], &triangle);
-    let ng = V3::new(normal(0), normal(1), normal(2));
-    let n = vector(3);
+    let weights = [w, u, v];
+    let ng =
+        V3::new(L::gather_at(normals, &triangle), L::gather_at(&normals[1..], &triangle), L::gather_at(&normals[2..], &triangle));
+    let n = weighted_vector(vertices, 3, &corners, weights);
     let n = V3::select(n.length_squared().lt(L::of(1e-12)), ng, n.normalize());
     let n = V3::select(n.dot(ng).lt(L::zero()), -n, n);
     let tangent = if needs_tangent {
-        let w = attribute(9);
-        (vector(6), L::select(w.lt(L::zero()), -L::one(), L::one()))
+        let w = weighted(&vertices[9..], &corners, weights);
+        (weighted_vector(vertices, 6, &corners, weights), L::select(w.lt(L::zero()), -L::one(), L::one()))
     } else {
         (V3::new(L::one(), L::zero(), L::zero()), L::one())
     };
-    let uv = if needs_uv { [attribute(10), attribute(11)] } else { [L::zero(); 2] };
-    Point { position: vector(0), ng, n, tangent, uv }
+    let uv = if needs_uv {
+        [weighted(&vertices[10..], &corners, weights), weighted(&vertices[11..], &corners, weights)]
+    } else {
+        [L::zero(); 2]
+    };
+    Point { position: weighted_vector(vertices, 0, &corners, weights), ng, n, tangent, uv }
+}
+
+/// A number of three corners, weighted.
+#[inline(always)]
+fn weighted<L: Lanes>(table: &[f32], corners: &[[usize; MAX_LANES]; 3], [a, b, c]: [L; 3]) -> L {
+    L::gather_at(table, &corners[0]) * a + L::gather_at(table, &corners[1]) * b + L::gather_at(table, &corners[2]) * c
+}
+
+/// A vector of three corners, weighted: the numbers from `k` of a vertex.
+#[inline(always)]
+fn weighted_vector<L: Lanes>(table: &[f32], k: usize, corners: &[[usize; MAX_LANES]; 3], weights: [L; 3]) -> V3<L> {
+    V3::new(
+        weighted(&table[k..], corners, weights),
+        weighted(&table[k + 1..], corners, weights),
+        weighted(&table[k + 2..], corners, weights),
+    )
 }
 
 /// Two edges of the triangles that were hit, in the world and in uv.

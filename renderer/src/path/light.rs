@@ -276,7 +276,8 @@ impl Light {
 
     #[inline(always)]
     fn draw_inline<L: Lanes>(&self, table: Option<&Distribution>, [u0, u1]: [L; 2]) -> LightSample<L> {
-        let (u, v, density) = table.map_or((u0, u1, L::zero()), |table| table.sample(u0, u1));
+        // No closures around lanes: they are not always inlined into code for wider instructions.
+        let (u, v, density) = if let Some(table) = table { table.sample(u0, u1) } else { (u0, u1, L::zero()) };
         let (sin_phi, cos_phi) = sin_cos_turn(u);
         let (sin_theta, cos_theta) = sin_cos_turn(v * L::of(0.5));
         let (x, y, z) = (sin_theta * sin_phi, cos_theta, -(sin_theta * cos_phi));
@@ -290,7 +291,7 @@ impl Light {
 
     #[inline(always)]
     fn density_at<L: Lanes>(&self, u: L, v: L, sin_theta: L) -> L {
-        let density = self.tables.compensated.as_ref().map_or(L::zero(), |table| table.density(u, v));
+        let density = if let Some(table) = &self.tables.compensated { table.density(u, v) } else { L::zero() };
         density / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN)))
     }
 
@@ -317,11 +318,13 @@ impl Light {
         }
         let texels = self.tables.texels.as_flattened();
         let scale = L::of(f64::from(self.scale));
-        let channel = |k: usize| {
-            let tap = |t: usize| L::gather_at(&texels[k..], &taps[t]);
-            (tap(0).lerp(tap(1), fx).lerp(tap(2).lerp(tap(3), fx), fy) * scale).min(L::of(EMISSION_MAX))
-        };
-        Rgb([channel(0), channel(1), channel(2)])
+        let mut channels = [L::zero(); 3];
+        for (k, channel) in channels.iter_mut().enumerate() {
+            let [a, b] = [L::gather_at(&texels[k..], &taps[0]), L::gather_at(&texels[k..], &taps[1])];
+            let [c, d] = [L::gather_at(&texels[k..], &taps[2]), L::gather_at(&texels[k..], &taps[3])];
+            *channel = (a.lerp(b, fx).lerp(c.lerp(d, fx), fy) * scale).min(L::of(EMISSION_MAX));
+        }
+        Rgb(channels)
     }
 }
 

@@ -3,8 +3,8 @@
 //! Every number is a pure function of (seed, replicate, pixel, index, dimension): no state, so any thread may draw any of them.
 //! Sources: Owen 1995; Laine and Karras 2011; Burley 2020 (JCGT 9/4); constants of the scramble by Nathan Vegdahl.
 
-use crate::lanes::{Lanes, Routine};
 pub(super) use crate::lanes::MAX_LANES;
+use crate::lanes::{Lanes, Routine};
 
 /// One unsigned word per lane.
 pub(super) type Words = [u32; MAX_LANES];
@@ -113,16 +113,11 @@ fn sobol_1(index: u32) -> u32 {
     x ^ (x << 16)
 }
 
-/// The third and fourth Sobol dimension. Bit by bit over the first `width` lanes: a test and two masked operations each.
 #[inline(always)]
-fn sobol_2_3(indices: &Words, width: usize) -> [Words; 2] {
-    let mut x = [[0; MAX_LANES]; 2];
-    for bit in 0..32 {
-        for i in 0..width {
-            let is_set = indices[i] & (1 << bit) != 0;
-            x[0][i] = if is_set { x[0][i] ^ SOBOL_2[bit] } else { x[0][i] };
-            x[1][i] = if is_set { x[1][i] ^ SOBOL_3[bit] } else { x[1][i] };
-        }
+fn matrix(directions: &[u32; 32], index: u32) -> u32 {
+    let mut x = 0;
+    for (bit, direction) in directions.iter().enumerate() {
+        x ^= direction & 0u32.wrapping_sub((index >> bit) & 1);
     }
     x
 }
@@ -190,10 +185,11 @@ fn draw_inline<L: Lanes>(Draw { group, vertex, seeds, indices }: Draw<'_>) -> [L
             u[0][i] = unit(laine_karras(j[i], scramble(0, i)).reverse_bits());
             u[1][i] = unit(owen(sobol_1(j[i]), scramble(1, i)));
         }
-        let x = sobol_2_3(&j, L::WIDTH);
         for i in 0..L::WIDTH {
-            u[2][i] = unit(owen(x[0][i], scramble(2, i)));
-            u[3][i] = unit(owen(x[1][i], scramble(3, i)));
+            u[2][i] = unit(owen(matrix(&SOBOL_2, j[i]), scramble(2, i)));
+        }
+        for i in 0..L::WIDTH {
+            u[3][i] = unit(owen(matrix(&SOBOL_3, j[i]), scramble(3, i)));
         }
     }
     [L::from_array(&u[0]), L::from_array(&u[1]), L::from_array(&u[2]), L::from_array(&u[3])]
@@ -208,8 +204,8 @@ mod tests {
         match dimension {
             0 => index.reverse_bits(),
             1 => sobol_1(index),
-            2 => sobol_2_3(&[index; MAX_LANES], 1)[0][0],
-            _ => sobol_2_3(&[index; MAX_LANES], 1)[1][0],
+            2 => matrix(&SOBOL_2, index),
+            _ => matrix(&SOBOL_3, index),
         }
     }
 

@@ -71,7 +71,8 @@ impl Shade<'_> {
             // The way through a clear body (Beer and Lambert). A walk has weighted its own.
             let t = L::from_fn(|i| hits[i].t);
             let is_clear = medium.sigma_s.max_channel().le(L::zero());
-            throughput = throughput.zip(medium.sigma_a, |b, s| b * L::select(is_clear, (-(s * t)).exp(), L::one()));
+            let Rgb([r, g, b]) = medium.sigma_a.scale(-t);
+            throughput = throughput * Rgb::select(is_clear, Rgb([r.exp(), g.exp(), b.exp()]), Rgb::white());
         }
 
         let at: Point<L> = point(&prepared.geometry, &hits, surface.needs_tangent(), surface.reads_images());
@@ -125,26 +126,26 @@ impl Shade<'_> {
             is_alive: is_passed,
         };
         let mut choice = [L::zero(); 4];
-        let bsdf = is_scattered.any().then(|| {
-            let light = lobes.has(Lobe::dispersion).then(|| wavelength(self.paths, &id));
-            let coat_normal = surface.has_coat_normal().then(|| frame.local(coat_normal));
-            let view = View { throughput, light, coat_normal, ..View::new(frame.local(wo)) };
-            Bsdf::prepare(optics, &surface.albedos, lobes, &view)
-        });
+        // No closures around lanes: they are not always inlined into code for wider instructions.
+        let mut view = View { throughput, ..View::new(frame.local(wo)) };
+        let mut bsdf = None;
+        if is_scattered.any() {
+            if lobes.has(Lobe::dispersion) {
+                view.light = Some(wavelength(self.paths, &id));
+            }
+            if surface.has_coat_normal() {
+                view.coat_normal = Some(frame.local(coat_normal));
+            }
+            bsdf = Some(Bsdf::prepare(optics, &surface.albedos, lobes, &view));
+        }
         let (media, seeds, indices) = ([medium, straight.beyond], &seeds, &indices);
-        let here = bsdf.as_ref().map(|bsdf| Encounter {
-            bsdf,
-            frame: &frame,
-            at: &at,
-            wo,
-            throughput,
-            media,
-            is_scattered,
-            is_dispersing: optics.dispersion.gt(L::zero()),
-            id: &id,
-            seeds,
-            indices,
-        });
+        let is_dispersing = optics.dispersion.gt(L::zero());
+        let mut here = None;
+        if let Some(bsdf) = &bsdf {
+            let frame = &frame;
+            let (at, id) = (&at, &id);
+            here = Some(Encounter { bsdf, frame, at, wo, throughput, media, is_scattered, is_dispersing, id, seeds, indices });
+        }
         if let Some(here) = &here {
             choice = draw(Group::Light, self.vertex, seeds, indices);
             self.direct_light(here, choice);
@@ -171,13 +172,7 @@ impl Shade<'_> {
 
     /// One scattered direction on a side of the surface, and roulette.
     #[inline(always)]
-    fn scatter<L: Lanes>(
-        &mut self,
-        here: &Encounter<'_, L>,
-        side: Side,
-        roulette: L,
-        go: &mut Continuation<L>,
-    ) {
+    fn scatter<L: Lanes>(&mut self, here: &Encounter<'_, L>, side: Side, roulette: L, go: &mut Continuation<L>) {
         let zero = L::zero();
         let &Encounter { bsdf, frame, at, wo, is_scattered, is_dispersing, id, .. } = here;
         let sample = bsdf.sample_side(draw(Group::Bsdf, self.vertex, here.seeds, here.indices), side);
@@ -384,5 +379,5 @@ pub(super) fn lane_vector<L: Lanes>(v: V3<L>, i: usize) -> Vec3 {
 /// One lane of a colour.
 #[inline(always)]
 pub(super) fn lane_of<L: Lanes>(c: Rgb<L>, i: usize) -> [f32; 3] {
-    c.0.map(|x| x.lane(i))
+    [c.0[0].lane(i), c.0[1].lane(i), c.0[2].lane(i)]
 }
