@@ -48,11 +48,14 @@ impl Role {
         }
         let optics: Optics<f64> = interpret(&surface.inputs, lobes, surface.length_scale);
         let varies = |property| surface.textures.iter().any(|t| t.property == property);
-        let has_interface = lobes.has(Lobe::metal) || lobes.has(Lobe::specular) || lobes.has(Lobe::transmission);
         let is_narrow = optics.alpha_x.min(optics.alpha_y) < ALPHA_LIMIT || varies(Property::roughness);
-        let is_coat_narrow = optics.coat_alpha < ALPHA_LIMIT || varies(Property::coat_roughness);
-        if lobes.has(Lobe::transmission) || (has_interface && is_narrow) || (lobes.has(Lobe::coat) && is_coat_narrow) {
+        let has_interface = lobes.has(Lobe::metal) || lobes.has(Lobe::specular);
+        let is_coat_narrow = lobes.has(Lobe::coat) && (optics.coat_alpha < ALPHA_LIMIT || varies(Property::coat_roughness));
+        // What a dielectric or a coat reflects over a matt base is too faint to be worth photons.
+        if is_narrow && (lobes.has(Lobe::metal) || lobes.has(Lobe::transmission)) {
             Self::Caster
+        } else if lobes.has(Lobe::transmission) || (has_interface && is_narrow) || is_coat_narrow {
+            Self::Other
         } else {
             Self::Receiver
         }

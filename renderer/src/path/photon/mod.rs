@@ -23,7 +23,7 @@ use scatter::Scatter;
 use std::f64::consts::PI;
 
 /// Camera samples for one photon: more photons gain less than they cost.
-const SAMPLES_PER_PHOTON: usize = 4;
+const SAMPLES_PER_PHOTON: usize = 16;
 
 /// Light that a photon brings to a pixel, for one photon emitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
