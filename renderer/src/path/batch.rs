@@ -1,5 +1,6 @@
 //! State of the paths in flight on one thread: one array per number, one entry per path, reused from batch to batch.
 
+use super::inside::Connection;
 use crate::bvh::{Hit, NONE, Ray};
 
 /// Paths in flight per thread. Their state stays in the second-level cache, and lists by material are long enough to fill lanes.
@@ -31,6 +32,8 @@ pub(super) struct Paths {
     pub is_dispersed: Vec<bool>,
     /// Density of the last direction that a non-delta lobe chose; 0 if light sampling could not have found it.
     pub pdf: Vec<f32>,
+    /// Whether the path arrives from a collision that has been connected to the light.
+    pub is_connected: Vec<bool>,
     /// Width of the cone where the ray starts, normalised units.
     pub cone_width: Vec<f32>,
     /// How fast it widens: width per distance.
@@ -70,6 +73,7 @@ impl Paths {
         self.body.resize(count, NONE);
         self.wavelength.resize(count, 0.0);
         self.is_dispersed.resize(count, false);
+        self.is_connected.resize(count, false);
         self.bounces.resize(count, 0);
         self.excluded.resize(count, NONE);
         self.seeds.resize(count, 0);
@@ -119,6 +123,8 @@ pub(super) struct Batch {
     pub missed: Vec<u32>,
     /// Light connections of this depth.
     pub shadows: Shadows,
+    /// Connections from inside of scattering bodies of this depth.
+    pub inside: Vec<Connection>,
     /// Rays in the order in which they are traced.
     pub rays: Vec<Ray>,
     /// Their paths.

@@ -17,6 +17,7 @@ mod displace;
 mod film;
 mod frame;
 mod geometry;
+mod inside;
 mod light;
 mod mip;
 mod miss;

@@ -113,6 +113,7 @@ impl Kernel for Raygen<'_> {
                     paths.wavelength[path] = spectrum().wavelength(f64::from(u[2].lane(lane))) as f32;
                 }
                 paths.is_dispersed[path] = false;
+                paths.is_connected[path] = false;
                 paths.body[path] = medium.object;
                 paths.pdf[path] = 0.0;
                 paths.cone_width[path] = 0.0;

@@ -10,6 +10,7 @@ use super::batch::{Paths, Shadows, Triples};
 use super::detail::{Footprint, Shading};
 use super::frame::{Frame, Point, point};
 use super::geometry::offset;
+use super::inside::EXIT_DENSITY;
 use super::prepared::{Prepared, Surface};
 use super::sampler::{Group, MAX_LANES, draw, per_lane};
 use crate::bsdf::dispersion::spectrum;
@@ -121,30 +122,22 @@ impl Shade<'_> {
             is_alive: is_passed,
         };
         if is_scattered.any() {
-            let light = lobes.has(Lobe::dispersion).then(|| self.wavelength(&id));
+            let light = lobes.has(Lobe::dispersion).then(|| wavelength(self.paths, &id));
             let coat_normal = surface.has_coat_normal().then(|| frame.local(coat_normal));
             let view = View { throughput, light, coat_normal, ..View::new(frame.local(wo)) };
             let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &view);
             let choice: [L; 4] = draw(Group::Light, self.vertex, &seeds, &indices);
+            // Those that come from a collision have been connected by it.
+            let is_connected = <L::Mask as Mask>::from_fn(|i| self.paths.is_connected[id[i]]) & !is_front;
             if prepared.light.is_sampled() {
-                self.connect(&bsdf, &frame, &at, wo, throughput, [medium, go.beyond], choice, is_scattered, &id);
+                let is_open = is_scattered & !is_connected;
+                self.connect(&bsdf, &frame, &at, wo, throughput, [medium, go.beyond], choice, is_open, &id);
             }
             let u: [L; 4] = draw(Group::Bsdf, self.vertex, &seeds, &indices);
             let is_dispersing = optics.dispersion.gt(L::zero());
-            self.scatter(&bsdf, &frame, &at, wo, choice[3], u, is_scattered, is_dispersing, &id, &mut go);
+            self.scatter(&bsdf, &frame, &at, wo, choice[3], u, is_scattered, is_connected, is_dispersing, &id, &mut go);
         }
         self.write(&go, &at, medium, is_passed, &id[..ids.len()], &hits);
-    }
-
-    /// Wavelengths of the paths.
-    #[inline(always)]
-    fn wavelength<L: Lanes>(&self, id: &[usize; MAX_LANES]) -> Wavelength<L> {
-        let weights = per_lane([0.0; 3], |i| spectrum().weights(f64::from(self.paths.wavelength[id[i]])));
-        Wavelength {
-            nm: L::from_fn(|i| self.paths.wavelength[id[i]]),
-            weights: Rgb([0, 1, 2].map(|k| L::from_fn(|i| weights[i][k]))),
-            is_dispersed: <L::Mask as Mask>::from_fn(|i| self.paths.is_dispersed[id[i]]),
-        }
     }
 
     /// One light sample, weighted against BSDF sampling by the balance heuristic.
@@ -209,6 +202,7 @@ impl Shade<'_> {
         roulette: L,
         u: [L; 4],
         is_scattered: L::Mask,
+        is_connected: L::Mask,
         is_dispersing: L::Mask,
         id: &[usize; MAX_LANES],
         go: &mut Continuation<L>,
@@ -235,7 +229,8 @@ impl Shade<'_> {
         }
         go.direction = V3::select(is_scattered, wi, go.direction);
         go.throughput = Rgb::select(is_scattered, throughput, go.throughput);
-        go.pdf = L::select(is_scattered, L::select(sample.is_delta, zero, sample.pdf), go.pdf);
+        let pdf = L::select(is_connected & sample.is_transmission, L::of(EXIT_DENSITY), sample.pdf);
+        go.pdf = L::select(is_scattered, L::select(sample.is_delta, zero, pdf), go.pdf);
         go.is_across = go.is_across | (is_scattered & sample.is_transmission);
         if self.surface.lobes.has(Lobe::dispersion) {
             let disperses = is_alive & sample.is_transmission & is_dispersing;
@@ -286,6 +281,7 @@ impl Shade<'_> {
                 self.paths.body[id] = self.prepared.geometry.triangles[hits[i].triangle as usize][3];
             }
             self.paths.pdf[id] = go.pdf.lane(i);
+            self.paths.is_connected[id] = false;
             self.paths.excluded[id] = hits[i].triangle;
             self.paths.bounces[id] += u32::from(!is_passed.lane(i));
             self.next.push(id as u32);
@@ -334,6 +330,17 @@ impl Surface {
     }
 }
 
+/// Wavelengths of paths.
+#[inline(always)]
+pub(super) fn wavelength<L: Lanes>(paths: &Paths, id: &[usize; MAX_LANES]) -> Wavelength<L> {
+    let weights = per_lane([0.0; 3], |i| spectrum().weights(f64::from(paths.wavelength[id[i]])));
+    Wavelength {
+        nm: L::from_fn(|i| paths.wavelength[id[i]]),
+        weights: Rgb([0, 1, 2].map(|k| L::from_fn(|i| weights[i][k]))),
+        is_dispersed: <L::Mask as Mask>::from_fn(|i| paths.is_dispersed[id[i]]),
+    }
+}
+
 /// Opacity of a surface at a hit, and the extinction (1/normalised unit) of the body below it.
 pub(super) fn opacity_at(prepared: &Prepared, surface: &Surface, hit: &Hit) -> (f32, [f32; 3]) {
     let at: Point<f32> = point(&prepared.geometry, &[*hit; MAX_LANES], false, !surface.textures.is_empty());
@@ -355,7 +362,7 @@ pub(super) fn add(paths: &mut Paths, stats: &mut PassStats, path: usize, light: 
 
 /// A point just off its surface, on the side that `n` (unit) points to.
 #[inline(always)]
-fn leave(p: Vec3, n: Vec3) -> Vec3 {
+pub(super) fn leave(p: Vec3, n: Vec3) -> Vec3 {
     Vec3::new(offset(p.x, n.x), offset(p.y, n.y), offset(p.z, n.z))
 }
 
@@ -372,7 +379,7 @@ fn load_vector<L: Lanes>(triple: &Triples, id: &[usize; MAX_LANES]) -> V3<L> {
 }
 
 #[inline(always)]
-fn lane_vector<L: Lanes>(v: V3<L>, i: usize) -> Vec3 {
+pub(super) fn lane_vector<L: Lanes>(v: V3<L>, i: usize) -> Vec3 {
     Vec3::new(v.x.lane(i), v.y.lane(i), v.z.lane(i))
 }
 

@@ -95,6 +95,16 @@ impl<'a> Mixture<'a> {
     }
 
     /// Weights.
+    pub(super) fn weights(&self) -> [f64; 3] {
+        self.beta
+    }
+
+    /// What is expected to come straight out of a depth, up to a common factor.
+    pub(super) fn expected(&self, depth: f64) -> f64 {
+        self.iter().map(|(channel, beta)| beta * (-channel.extinction * depth).exp()).sum()
+    }
+
+    /// Weights in single precision.
     pub(super) fn throughput(&self) -> [f32; 3] {
         self.beta.map(|x| x as f32)
     }

@@ -25,10 +25,12 @@ mod medium;
 mod mesh;
 mod near;
 mod numbers;
+mod reservoir;
 #[cfg(test)]
 mod tests;
 
 pub(super) use medium::{Body, Medium};
+pub(super) use reservoir::{Reservoir, Source};
 
 use crate::bvh::{Hit, Nearest};
 use flight::{Flight, Mixture};
@@ -87,6 +89,13 @@ pub(super) struct Entry {
     pub channel_u: f32,
 }
 
+impl Entry {
+    /// Numbers in (0, 1) that the walk itself leaves alone, `k` below 16.
+    pub(super) fn number(&self, k: u32) -> f64 {
+        Numbers::new(self.seed, self.index, self.vertex).spare(k)
+    }
+}
+
 /// How a walk ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
@@ -100,6 +109,8 @@ pub(super) enum End {
         direction: Vec3,
         /// Weight per channel.
         throughput: [f32; 3],
+        /// Whether the last flight left a collision that was offered to the reservoir.
+        is_from_collision: bool,
     },
     /// Nothing is left of it.
     Absorbed,
@@ -175,8 +186,15 @@ fn rounding(point: DVec3) -> f64 {
     point.abs().max_element() * f64::from(f32::EPSILON)
 }
 
-/// Follows one walk to its end.
-pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method: Method, stats: &mut WalkStats) -> End {
+/// Follows one walk to its end. Collisions from which a flight may leave in any direction are offered to the reservoir.
+pub(super) fn walk<B: Boundary>(
+    boundary: &B,
+    body: &Body,
+    entry: &Entry,
+    method: Method,
+    reservoir: &mut Reservoir,
+    stats: &mut WalkStats,
+) -> End {
     stats.walks += 1;
     let numbers = Numbers::new(entry.seed, entry.index, entry.vertex);
     let Some(mut mixture) = Mixture::new(body, entry.throughput, f64::from(entry.channel_u)) else {
@@ -194,6 +212,7 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
     let mut position = entry.position;
     let mut flight = Flight::fixed(&mixture, entry.direction.as_dvec3(), &numbers, 0);
     let mut first = Some(entry.first);
+    let mut is_from_collision = false;
     let mut collisions = 0u32;
     for number in 1u32.. {
         let direction = flight.direction.as_vec3();
@@ -214,7 +233,7 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
             }
             mixture.arrive(&flight, f64::from(hit.t));
             stats.max_weight = stats.max_weight.max(mixture.largest() / start);
-            return End::Surface { hit, position, direction, throughput: mixture.throughput() };
+            return End::Surface { hit, position, direction, throughput: mixture.throughput(), is_from_collision };
         }
         mixture.collide(&flight);
         position += flight.direction * flight.length.min((f64::from(hit.t) - margin).max(0.0));
@@ -251,6 +270,7 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
             }
             let direction = guide::around(normal, cosine, numbers.at(number, Dimension::JumpAzimuth));
             flight = Flight::fixed(&mixture, direction, &numbers, number);
+            is_from_collision = false;
             continue;
         }
         let guide = match near.guide {
@@ -259,7 +279,12 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
             None if collisions <= FALLBACK_COLLISIONS => Some((entry.normal.as_dvec3(), 0.5)),
             None => None,
         };
+        if reservoir.is_open() {
+            let u = numbers.at(number, Dimension::Reservoir);
+            reservoir.offer(position, mixture.weights(), mixture.expected(near.within(position).max(0.0)), u);
+        }
         flight = Flight::scattered(&mixture, guide, &numbers, number);
+        is_from_collision = true;
     }
     End::Absorbed
 }
@@ -274,7 +299,7 @@ fn straight(mixture: &Mixture, entry: &Entry, start: f64, stats: &mut WalkStats)
     }
     let largest = throughput.iter().fold(0.0f32, |a, b| a.max(*b));
     stats.max_weight = stats.max_weight.max(f64::from(largest) / start);
-    End::Surface { hit, position, direction, throughput }
+    End::Surface { hit, position, direction, throughput, is_from_collision: false }
 }
 
 fn lost(position: DVec3, direction: Vec3, stats: &mut WalkStats) -> End {

@@ -30,6 +30,11 @@ impl Near {
         self.distance - self.anchor.distance(position)
     }
 
+    /// About how deep a point lies below the surface last found, as if that were a plane; at least 0.
+    pub(super) fn depth(&self, position: DVec3) -> f64 {
+        self.guide.map_or(0.0, |n| (self.point - position).dot(n).max(0.0))
+    }
+
     /// Whether a query at this place may tell something useful. `extinction` is that for which jumps are looked for.
     pub(super) fn is_worth_a_query(&self, position: DVec3, extinction: Option<f64>, steers: bool, radius: f64) -> bool {
         if let Some(s) = extinction {

@@ -1,0 +1,301 @@
+//! Light that scattering bodies send straight out: one collision of each walk is connected to the environment through the surface.
+//!
+//! The end of a walk alone would find a small light rarely: it leaves in any direction, and what a nearly smooth surface makes of that
+//! direction is hardly left to choose. So the connection is built the other way round. A direction to the light is drawn first; it is
+//! refracted inwards at a facet of the nearest surface, which gives the direction in which light would have to leave the collision; a
+//! ray in that direction finds where it crosses the surface, and there the BSDF says how much of it takes the way to the light.
+//!
+//! The walk's own exits find the same light. Each direction to the light is shared out between the two by a weight of its own, the
+//! balance heuristic with a constant in the place of the exits' density ([`EXIT_DENSITY`]): any weights that sum to 1 are unbiased, and
+//! these need to know nothing of the walk.
+
+use super::PassStats;
+use super::batch::{Batch, Paths, Shadows};
+use super::detail::{Footprint, Shading};
+use super::frame::{Frame, Point, point, span};
+use super::prepared::{Prepared, Surface};
+use super::sampler::{Group, MAX_LANES, Words, draw, per_lane};
+use super::shade::{lane_of, lane_vector, leave, wavelength};
+use super::walk::{Boundary, Source};
+use crate::bsdf::ggx::{d_ggx, refract, smith_length, vndf_pdf, vndf_sample};
+use crate::bsdf::{Bsdf, View, interpret};
+use crate::bvh::{Hit, Ray};
+use crate::lanes::{Kernel, Lanes, Mask};
+use crate::vector::{Rgb, V3};
+use burnish_material::Lobe;
+use glam::Vec3;
+use std::f64::consts::PI;
+
+/// Density, 1/sr, that the exits of walks count with where they share light with connections: uniform over a hemisphere.
+pub(super) const EXIT_DENSITY: f64 = 0.5 / PI;
+/// Smallest roughness (alpha) of a surface through which bodies are connected: the normals of the nearest surface and of the point of
+/// exit differ, and narrow lobes do not forgive that.
+const ALPHA_MIN: f64 = 0.03;
+/// Smallest roughness for the direction of a connection, for the same reason.
+const ALPHA_DRAWN_MIN: f64 = 0.08;
+/// Share of connections that leave in any direction: bounds their weights where the nearest surface tells nothing.
+const UNIFORM_SHARE: f64 = 0.1;
+
+/// How a surface refracts, as far as it decides where connections go.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passage {
+    alpha: f32,
+    eta: f32,
+}
+
+impl Passage {
+    /// None for surfaces through which nothing is connected.
+    pub(super) fn of(surface: &Surface) -> Option<Self> {
+        if !surface.lobes.has(Lobe::scattering) {
+            return None;
+        }
+        let optics = interpret(&surface.inputs, surface.lobes, surface.length_scale);
+        let alpha = optics.alpha_x.max(optics.alpha_y);
+        let is_rough = alpha >= ALPHA_MIN && !optics.is_smooth && !optics.is_matched;
+        is_rough.then_some(Self { alpha: alpha.max(ALPHA_DRAWN_MIN) as f32, eta: optics.eta as f32 })
+    }
+}
+
+/// A connection under way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Connection {
+    /// The path that gets the light.
+    path: u32,
+    /// The collision.
+    source: Source,
+    /// Extinction in the body.
+    extinction: [f32; 3],
+    /// Outward unit normal of the nearest surface.
+    normal: Vec3,
+    passage: Passage,
+    /// Numbers for the facet, and for whether it is asked at all.
+    u: [f32; 3],
+    /// Direction in which it leaves the collision.
+    direction: Vec3,
+    /// Direction to the light.
+    light: Vec3,
+    /// What arrives if nothing is in the way: the light times everything but the BSDF.
+    weight: [f32; 3],
+    /// Where it leaves the body.
+    exit: Hit,
+}
+
+impl Connection {
+    /// From a collision in a body whose nearest surface has the outward unit normal `normal`; `u` are three numbers in `[0, 1)`.
+    pub(super) fn new(path: u32, source: Source, extinction: [f32; 3], normal: Vec3, passage: Passage, u: [f32; 3]) -> Self {
+        let (direction, light) = (Vec3::ZERO, Vec3::ZERO);
+        Self { path, source, extinction, normal, passage, u, direction, light, weight: [0.0; 3], exit: Hit::MISS }
+    }
+}
+
+/// Makes all connections of a batch at one depth into shadow rays.
+pub(super) fn connect(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: &mut PassStats) {
+    let Batch { paths, inside, lists, shadows, .. } = batch;
+    crate::lanes::dispatch(Aim { prepared, vertex, paths, connections: inside });
+    inside.retain_mut(|connection| connection.weight.iter().any(|w| *w > 0.0) && leave_body(prepared, connection));
+    lists.iter_mut().for_each(Vec::clear);
+    for (i, connection) in inside.iter().enumerate() {
+        let object = prepared.geometry.triangles[connection.exit.triangle as usize][3];
+        lists[prepared.surface_of_object[object as usize] as usize].push(i as u32);
+    }
+    for (surface, list) in prepared.surfaces.iter().zip(lists.iter()) {
+        if !list.is_empty() {
+            crate::lanes::dispatch(Emerge { prepared, surface, list, connections: inside, paths, shadows, stats });
+        }
+    }
+    inside.clear();
+}
+
+/// Follows a connection to the surface. False: there is none, or it is seen from outside.
+fn leave_body(prepared: &Prepared, connection: &mut Connection) -> bool {
+    let geometry = prepared.geometry.as_ref();
+    let hit = geometry.hit(connection.source.position, connection.direction, f32::INFINITY);
+    if hit.is_miss() || Vec3::from(geometry.normals[hit.triangle as usize]).dot(connection.direction) <= 0.0 {
+        return false;
+    }
+    for k in 0..3 {
+        connection.weight[k] *= (-connection.extinction[k] * hit.t).exp();
+    }
+    connection.exit = hit;
+    true
+}
+
+/// Draws directions to the light and the directions inside that lead there.
+struct Aim<'a> {
+    prepared: &'a Prepared,
+    vertex: u32,
+    paths: &'a Paths,
+    connections: &'a mut [Connection],
+}
+
+impl Kernel for Aim<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { prepared, vertex, paths, connections } = self;
+        for group in connections.chunks_mut(L::WIDTH) {
+            let at = |i: usize| &group[if i < group.len() { i } else { 0 }];
+            let seeds: Words = per_lane(0, |i| paths.seeds[at(i).path as usize]);
+            let indices: Words = per_lane(0, |i| paths.indices[at(i).path as usize]);
+            // The exit of the same walk draws no light: the numbers are free.
+            let choice: [L; 4] = draw(Group::Light, vertex, &seeds, &indices);
+            let light = prepared.light.sample(choice[0], choice[1]);
+            let share = L::select(light.pdf.gt(L::zero()), L::one() / (light.pdf + L::of(EXIT_DENSITY)), L::zero());
+            let n = |k: usize| L::from_fn(|i| at(i).normal[k]);
+            let frame = Frame::around(V3::new(n(0), n(1), n(2)));
+            let lobe = Lobes {
+                wo: frame.local(light.direction),
+                alpha: L::from_fn(|i| at(i).passage.alpha),
+                eta: L::from_fn(|i| at(i).passage.eta),
+            };
+            let (inwards, pdf) = lobe.sample([0, 1, 2].map(|k| L::from_fn(|i| at(i).u[k])));
+            // Isotropic: 1/(4 pi) in every direction.
+            let scale = share / (pdf * L::of(4.0 * PI)).max(L::of(1e-30));
+            let throughput = Rgb([0, 1, 2].map(|k| L::from_fn(|i| at(i).source.throughput[k])));
+            let weight = (light.radiance * throughput).scale(L::select(pdf.gt(L::zero()), scale, L::zero()));
+            let direction = frame.world(-inwards).normalize();
+            for (i, connection) in group.iter_mut().enumerate() {
+                connection.direction = lane_vector(direction, i);
+                connection.light = lane_vector(light.direction, i);
+                connection.weight = lane_of(weight, i);
+            }
+        }
+    }
+}
+
+/// Directions inwards for light from `wo` (local, unit): refraction at a facet of the rough surface, or any direction.
+struct Lobes<L: Lanes> {
+    wo: V3<L>,
+    alpha: L,
+    eta: L,
+}
+
+impl<L: Lanes> Lobes<L> {
+    /// Share of directions drawn uniformly: all for light from below the surface.
+    #[inline(always)]
+    fn uniform_share(&self) -> L {
+        L::select(self.wo.z.gt(L::of(1e-3)), L::of(UNIFORM_SHARE), L::one())
+    }
+
+    /// A direction away from the light, unit, and its density over the whole sphere.
+    #[inline(always)]
+    fn sample(&self, u: [L; 3]) -> (V3<L>, L) {
+        let one = L::one();
+        let m = vndf_sample(self.wo, self.alpha, self.alpha, one, u[0], u[1]);
+        let (bent, exists) = refract(self.wo, m, self.wo.dot(m), self.eta);
+        // Two cosine-weighted directions would not be uniform: the sphere's own map.
+        let z = one - L::of(2.0) * u[0];
+        let (sin, cos) = (L::of(2.0 * PI) * u[1]).sin_cos();
+        let across = (one - z * z).max(L::zero()).sqrt();
+        let is_uniform = u[2].lt(self.uniform_share());
+        let wi = V3::select(is_uniform, V3::new(across * cos, across * sin, z), bent);
+        (wi, L::select(is_uniform | exists, self.density(wi), L::zero()))
+    }
+
+    /// Density of [`Lobes::sample`], 1/sr.
+    #[inline(always)]
+    fn density(&self, wi: V3<L>) -> L {
+        let zero = L::zero();
+        let sum = self.wo + wi.scale(self.eta);
+        // Towards the denser side a facet looks against the sum, towards the thinner along it.
+        let m = V3::select(sum.z.lt(zero), -sum, sum).normalize();
+        let (cos_om, cos_im) = (self.wo.dot(m), wi.dot(m));
+        let is_possible = cos_om.gt(zero) & cos_im.lt(zero) & m.z.gt(zero) & self.wo.z.gt(zero);
+        let d = d_ggx(m, self.alpha, self.alpha);
+        let pdf_m = vndf_pdf(self.wo, cos_om, d, smith_length(self.wo, self.alpha, self.alpha));
+        let jacobian = self.eta.sqr() * cos_im.abs() / sum.length_squared().max(L::of(1e-20));
+        let refracted = L::select(is_possible, pdf_m * jacobian, zero);
+        let share = self.uniform_share();
+        share * L::of(0.25 / PI) + (L::one() - share) * refracted
+    }
+}
+
+/// Evaluates the surface where connections leave through it.
+struct Emerge<'a> {
+    prepared: &'a Prepared,
+    surface: &'a Surface,
+    list: &'a [u32],
+    connections: &'a [Connection],
+    paths: &'a Paths,
+    shadows: &'a mut Shadows,
+    stats: &'a mut PassStats,
+}
+
+impl Kernel for Emerge<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        let inputs = self.surface.inputs.convert(L::of);
+        let uniform = interpret(&inputs, self.surface.lobes, L::of(self.surface.length_scale));
+        let list = self.list;
+        for numbers in list.chunks(L::WIDTH) {
+            let number = |i: usize| numbers[if i < numbers.len() { i } else { 0 }] as usize;
+            self.group(per_lane(0usize, number), numbers.len(), &inputs, &uniform);
+        }
+    }
+}
+
+impl Emerge<'_> {
+    #[inline(always)]
+    fn group<L: Lanes>(
+        &mut self,
+        number: [usize; MAX_LANES],
+        live: usize,
+        inputs: &burnish_material::Inputs<L>,
+        uniform: &crate::bsdf::Optics<L>,
+    ) {
+        let Self { prepared, surface, connections, paths, .. } = *self;
+        let lobes = surface.lobes;
+        let of = |i: usize| &connections[number[i]];
+        let id = per_lane(0usize, |i| of(i).path as usize);
+        let hits = per_lane(Hit::MISS, |i| of(i).exit);
+        let vector = |f: fn(&Connection) -> Vec3| V3::new(L::from_fn(|i| f(of(i)).x), L::from_fn(|i| f(of(i)).y), L::from_fn(|i| f(of(i)).z));
+        let wo = -vector(|c| c.direction);
+        let light = vector(|c| c.light);
+        let at: Point<L> = point(&prepared.geometry, &hits, surface.needs_tangent(), surface.reads_images());
+        let is_front = <L::Mask as Mask>::splat(false);
+        let footprint = surface.reads_images().then(|| {
+            let span = span(&prepared.geometry, &hits);
+            let width = L::from_fn(|i| paths.cone_width[id[i]] + paths.cone_spread[id[i]] * hits[i].t);
+            Footprint { uv: span.uv_length(width), span }
+        });
+        let made = footprint.as_ref().and_then(|f| surface.textured(inputs, &at.uv, f.uv));
+        let interpreted;
+        let optics = match &made {
+            Some(inputs) => {
+                interpreted = interpret(inputs, lobes, L::of(surface.length_scale));
+                &interpreted
+            }
+            None => uniform,
+        };
+        let Shading { frame, coat_normal } =
+            surface.shading(&at, made.as_ref().unwrap_or(inputs), footprint.as_ref(), wo, is_front);
+        let wavelength = lobes.has(Lobe::dispersion).then(|| wavelength(paths, &id));
+        let coat_normal = surface.has_coat_normal().then(|| frame.local(coat_normal));
+        let throughput = Rgb([0, 1, 2].map(|k| L::from_fn(|i| of(i).weight[k])));
+        let view = View { throughput, light: wavelength, coat_normal, ..View::new(frame.local(wo)) };
+        let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &view);
+        let local = frame.local(light);
+        let (value, _) = bsdf.eval(local);
+        let outwards = light.dot(at.ng);
+        // What passes a cut-through surface straight on is left to the walk.
+        let c = (throughput * value).scale(optics.opacity);
+        let is_used = outwards.gt(L::zero()) & local.z.gt(L::zero()) & !c.max_channel().le(L::zero());
+        for i in 0..live {
+            if !is_used.lane(i) {
+                continue;
+            }
+            let contribution = lane_of(c, i);
+            if !self.stats.accepts(contribution) {
+                continue;
+            }
+            let origin = leave(lane_vector(at.position, i), lane_vector(at.ng, i));
+            self.shadows.rays.push(Ray { excluded: hits[i].triangle, ..Ray::new(origin, of(i).light) });
+            self.shadows.contributions.push(contribution);
+            self.shadows.paths.push(of(i).path);
+            self.shadows.sigmas.push([0.0; 3]);
+        }
+    }
+}
