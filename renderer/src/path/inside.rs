@@ -16,10 +16,10 @@ use super::frame::{Frame, Point, point, span};
 use super::prepared::{Prepared, Surface};
 use super::sampler::{Group, MAX_LANES, Words, draw, per_lane};
 use super::shade::{lane_of, lane_vector, leave, wavelength};
-use super::walk::{Boundary, Source};
+use super::walk::{Boundary, Interior, Source};
 use crate::bsdf::ggx::{d_ggx, refract, smith_length, vndf_pdf, vndf_sample};
 use crate::bsdf::{Bsdf, View, interpret};
-use crate::bvh::{Hit, Ray};
+use crate::bvh::{Hit, NONE, Ray};
 use crate::lanes::{Kernel, Lanes, Mask};
 use crate::vector::{Rgb, V3};
 use burnish_material::Lobe;
@@ -33,8 +33,14 @@ pub(super) const EXIT_DENSITY: f64 = 0.5 / PI;
 const ALPHA_MIN: f64 = 0.03;
 /// Smallest roughness for the direction of a connection, for the same reason.
 const ALPHA_DRAWN_MIN: f64 = 0.08;
-/// Share of connections that leave in any direction: bounds their weights where the nearest surface tells nothing.
-const UNIFORM_SHARE: f64 = 0.1;
+/// Shares of connections refracted at a very rough surface, and of those that leave in any direction: they bound the weights where the
+/// nearest surface tells little or nothing of the point of exit.
+const BROAD_SHARE: f64 = 0.2;
+const UNIFORM_SHARE: f64 = 0.05;
+/// Roughness (alpha) of the very rough surface.
+const ALPHA_BROAD: f64 = 0.5;
+/// Least cosine between the light and the normal that the light is refracted at.
+const COS_LIGHT_MIN: f64 = 0.05;
 
 /// How a surface refracts, as far as it decides where connections go.
 #[derive(Clone, Copy, Debug)]
@@ -109,7 +115,7 @@ pub(super) fn connect(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats
 /// Follows a connection to the surface. False: there is none, or it is seen from outside.
 fn leave_body(prepared: &Prepared, connection: &mut Connection) -> bool {
     let geometry = prepared.geometry.as_ref();
-    let hit = geometry.hit(connection.source.position, connection.direction, f32::INFINITY);
+    let hit = Interior::new(geometry, NONE).hit(connection.source.position, connection.direction, f32::INFINITY);
     if hit.is_miss() || Vec3::from(geometry.normals[hit.triangle as usize]).dot(connection.direction) <= 0.0 {
         return false;
     }
@@ -143,7 +149,11 @@ impl Kernel for Aim<'_> {
             let light = prepared.light.sample(choice[0], choice[1]);
             let share = L::select(light.pdf.gt(L::zero()), L::one() / (light.pdf + L::of(EXIT_DENSITY)), L::zero());
             let n = |k: usize| L::from_fn(|i| at(i).normal[k]);
-            let frame = Frame::around(V3::new(n(0), n(1), n(2)));
+            let n = V3::new(n(0), n(1), n(2));
+            // The point of exit may see a light that the nearest surface does not.
+            let lack = L::of(COS_LIGHT_MIN) - n.dot(light.direction);
+            let n = V3::select(lack.gt(L::zero()), (n + light.direction.scale(lack)).normalize(), n);
+            let frame = Frame::around(n);
             let lobe = Lobes {
                 wo: frame.local(light.direction),
                 alpha: L::from_fn(|i| at(i).passage.alpha),
@@ -164,7 +174,7 @@ impl Kernel for Aim<'_> {
     }
 }
 
-/// Directions inwards for light from `wo` (local, unit): refraction at a facet of the rough surface, or any direction.
+/// Directions inwards for light from `wo` (local, unit, above the surface): refraction at a facet, or any direction.
 struct Lobes<L: Lanes> {
     wo: V3<L>,
     alpha: L,
@@ -172,23 +182,18 @@ struct Lobes<L: Lanes> {
 }
 
 impl<L: Lanes> Lobes<L> {
-    /// Share of directions drawn uniformly: all for light from below the surface.
-    #[inline(always)]
-    fn uniform_share(&self) -> L {
-        L::select(self.wo.z.gt(L::of(1e-3)), L::of(UNIFORM_SHARE), L::one())
-    }
-
     /// A direction away from the light, unit, and its density over the whole sphere.
     #[inline(always)]
     fn sample(&self, u: [L; 3]) -> (V3<L>, L) {
         let one = L::one();
-        let m = vndf_sample(self.wo, self.alpha, self.alpha, one, u[0], u[1]);
+        let is_broad = u[2].lt(L::of(UNIFORM_SHARE + BROAD_SHARE));
+        let alpha = L::select(is_broad, L::of(ALPHA_BROAD), self.alpha);
+        let m = vndf_sample(self.wo, alpha, alpha, one, u[0], u[1]);
         let (bent, exists) = refract(self.wo, m, self.wo.dot(m), self.eta);
-        // Two cosine-weighted directions would not be uniform: the sphere's own map.
         let z = one - L::of(2.0) * u[0];
         let (sin, cos) = (L::of(2.0 * PI) * u[1]).sin_cos();
         let across = (one - z * z).max(L::zero()).sqrt();
-        let is_uniform = u[2].lt(self.uniform_share());
+        let is_uniform = u[2].lt(L::of(UNIFORM_SHARE));
         let wi = V3::select(is_uniform, V3::new(across * cos, across * sin, z), bent);
         (wi, L::select(is_uniform | exists, self.density(wi), L::zero()))
     }
@@ -196,18 +201,22 @@ impl<L: Lanes> Lobes<L> {
     /// Density of [`Lobes::sample`], 1/sr.
     #[inline(always)]
     fn density(&self, wi: V3<L>) -> L {
+        L::of(UNIFORM_SHARE * 0.25 / PI)
+            + L::of(BROAD_SHARE) * self.refracted(wi, L::of(ALPHA_BROAD))
+            + L::of(1.0 - UNIFORM_SHARE - BROAD_SHARE) * self.refracted(wi, self.alpha)
+    }
+
+    /// Density of refraction at visible facets. Source: Walter et al. 2007.
+    #[inline(always)]
+    fn refracted(&self, wi: V3<L>, alpha: L) -> L {
         let zero = L::zero();
         let sum = self.wo + wi.scale(self.eta);
-        // Towards the denser side a facet looks against the sum, towards the thinner along it.
         let m = V3::select(sum.z.lt(zero), -sum, sum).normalize();
         let (cos_om, cos_im) = (self.wo.dot(m), wi.dot(m));
         let is_possible = cos_om.gt(zero) & cos_im.lt(zero) & m.z.gt(zero) & self.wo.z.gt(zero);
-        let d = d_ggx(m, self.alpha, self.alpha);
-        let pdf_m = vndf_pdf(self.wo, cos_om, d, smith_length(self.wo, self.alpha, self.alpha));
+        let pdf_m = vndf_pdf(self.wo, cos_om, d_ggx(m, alpha, alpha), smith_length(self.wo, alpha, alpha));
         let jacobian = self.eta.sqr() * cos_im.abs() / sum.length_squared().max(L::of(1e-20));
-        let refracted = L::select(is_possible, pdf_m * jacobian, zero);
-        let share = self.uniform_share();
-        share * L::of(0.25 / PI) + (L::one() - share) * refracted
+        L::select(is_possible, pdf_m * jacobian, zero)
     }
 }
 

@@ -5,7 +5,7 @@ use super::batch::{Batch, Paths};
 use super::inside::{self, Connection, Passage};
 use super::prepared::Prepared;
 use super::sampler::{Group, MAX_LANES, draw};
-use super::walk::{Body, Boundary, End, Entry, Medium, Method, Reservoir, WalkStats, walk};
+use super::walk::{Body, End, Entry, Interior, Medium, Method, Reservoir, WalkStats, walk};
 use crate::bvh::{Hit, NONE};
 use glam::Vec3;
 
@@ -57,14 +57,13 @@ fn step(
         channel_u: u[1],
     };
     let collisions = done.collisions;
-    let geometry = prepared.geometry.as_ref();
+    let interior = Interior::new(&prepared.geometry, paths.body[i]);
     let body = Body::new(&medium, radius);
     let passage = passage(prepared, paths, i);
     let mut reservoir = Reservoir::new(passage.is_some());
-    let end = walk(geometry, &body, &entry, Method::Jumping, &mut reservoir, done);
+    let end = walk(&interior, &body, &entry, Method::Jumping, &mut reservoir, done);
     if let (Some(source), Some(passage)) = (reservoir.source(), passage) {
-        let nearest = geometry.nearest(source.position, f64::INFINITY, 0.1);
-        let normal = nearest.map_or(normal, |n| geometry.normal(n.triangle, n.point));
+        let normal = source.normal.unwrap_or(normal);
         let u = [0, 1, 2].map(|k| entry.number(k) as f32);
         inside.push(Connection::new(i as u32, source, body.extinction(), normal, passage, u));
     }

@@ -99,9 +99,10 @@ impl<'a> Mixture<'a> {
         self.beta
     }
 
-    /// What is expected to come straight out of a depth, up to a common factor.
-    pub(super) fn expected(&self, depth: f64) -> f64 {
-        self.iter().map(|(channel, beta)| beta * (-channel.extinction * depth).exp()).sum()
+    /// What is expected to come straight out of a depth that is known up to an error, up to a common factor. Above 0 where any weight is.
+    pub(super) fn expected(&self, depth: f64, error: f64) -> f64 {
+        let share = |extinction: f64| (-(extinction * depth / (1.0 + extinction * error)).min(500.0)).exp();
+        self.iter().map(|(channel, beta)| beta * share(channel.extinction)).sum()
     }
 
     /// Weights in single precision.

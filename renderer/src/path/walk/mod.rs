@@ -18,6 +18,7 @@
 //! Jumps cost a little variance and bound the work: without absorption 30 flights per walk at 1e5 mean free paths, where walking takes
 //! 133,000. Their bias on what leaves those balls and half-spaces is below what could be measured, 5e-4 of it.
 
+mod field;
 mod flight;
 mod guide;
 mod jump;
@@ -29,10 +30,13 @@ mod reservoir;
 #[cfg(test)]
 mod tests;
 
+pub(super) use field::Field;
 pub(super) use medium::{Body, Medium};
+pub(super) use mesh::Interior;
 pub(super) use reservoir::{Reservoir, Source};
 
 use crate::bvh::{Hit, Nearest};
+use field::Depth;
 use flight::{Flight, Mixture};
 use glam::{DVec3, Vec3};
 use near::Near;
@@ -46,6 +50,10 @@ pub(super) trait Boundary {
     fn hit(&self, point: DVec3, direction: Vec3, t_max: f32) -> Hit;
     /// A point of a surface within `r_max`, at most `1 + tolerance` times as far as the nearest.
     fn nearest(&self, point: DVec3, r_max: f64, tolerance: f64) -> Option<Nearest>;
+    /// How deep a point lies, where that is known without a search.
+    fn depth(&self, _point: DVec3) -> Option<Depth> {
+        None
+    }
     /// Outward unit normal of a triangle, or of the surface near a point where there are no triangles.
     fn normal(&self, triangle: u32, point: DVec3) -> Vec3;
     /// Whether this hit shows that the walk has left, unnoticed, the body that it entered through the triangle `entered`.
@@ -249,7 +257,17 @@ pub(super) fn walk<B: Boundary>(
             return End::Absorbed;
         }
         let jumps = method == Method::Jumping && mixture.slowest() * body.radius >= jump::RADIUS_MIN;
-        if (jumps || steers) && near.is_worth_a_query(position, jumps.then(|| mixture.slowest()), steers, body.radius) {
+        let depth = if jumps || steers || reservoir.is_open() { boundary.depth(position) } else { None };
+        if let Some(depth) = &depth {
+            near.learn(position, depth);
+        }
+        // What is known of cells is enough unless they are wider than a flight.
+        let is_fine = depth.is_some_and(|d| d.cell * mixture.slowest() < 2.0);
+        let searches = jumps && !is_fine;
+        let is_lost = steers && depth.is_none();
+        if (searches || is_lost)
+            && near.is_worth_a_query(position, searches.then(|| mixture.slowest()), is_lost, body.radius)
+        {
             stats.queries += 1;
             near.query(boundary, position);
             if near.within(position) > FAR * body.radius {
@@ -281,7 +299,8 @@ pub(super) fn walk<B: Boundary>(
         };
         if reservoir.is_open() {
             let u = numbers.at(number, Dimension::Reservoir);
-            reservoir.offer(position, mixture.weights(), mixture.expected(near.within(position).max(0.0)), u);
+            let (about, error) = depth.map_or((near.within(position).max(0.0), 0.0), |d| (d.about, d.error));
+            reservoir.offer(position, near.guide, mixture.weights(), mixture.expected(about, error), u);
         }
         flight = Flight::scattered(&mixture, guide, &numbers, number);
         is_from_collision = true;

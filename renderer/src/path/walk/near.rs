@@ -1,6 +1,7 @@
 //! How far the surface is, remembered: the distance cannot change faster than the walk moves, so most collisions need no query and most
 //! flights deep inside no ray.
 
+use super::field::Depth;
 use super::{Boundary, Entry, jump, rounding};
 use glam::DVec3;
 
@@ -30,9 +31,12 @@ impl Near {
         self.distance - self.anchor.distance(position)
     }
 
-    /// About how deep a point lies below the surface last found, as if that were a plane; at least 0.
-    pub(super) fn depth(&self, position: DVec3) -> f64 {
-        self.guide.map_or(0.0, |n| (self.point - position).dot(n).max(0.0))
+    /// Takes over what is known of a place without a query.
+    pub(super) fn learn(&mut self, position: DVec3, depth: &Depth) {
+        self.guide = Some(depth.normal);
+        if depth.at_least > self.within(position) {
+            (self.anchor, self.distance) = (position, depth.at_least);
+        }
     }
 
     /// Whether a query at this place may tell something useful. `extinction` is that for which jumps are looked for.

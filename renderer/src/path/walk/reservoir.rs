@@ -4,7 +4,7 @@
 //! them, chosen in proportion to what is expected of it and weighted by the inverse of its chance, stands for all. Source: resampling
 //! by reservoir, Chao 1982; Talbot et al. 2005.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The collision that stands for those that were offered so far.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,6 +13,7 @@ pub(in crate::path) struct Reservoir {
     is_open: bool,
     total: f64,
     position: DVec3,
+    normal: Option<DVec3>,
     /// Weights of the walk there over what was expected.
     ratio: [f64; 3],
 }
@@ -22,6 +23,8 @@ pub(in crate::path) struct Reservoir {
 pub(in crate::path) struct Source {
     /// Where, normalised units.
     pub position: DVec3,
+    /// Direction of the nearest surface, unit; none if it is not known.
+    pub normal: Option<Vec3>,
     /// What it sends out in all directions together, per channel, for the whole walk.
     pub throughput: [f32; 3],
 }
@@ -32,14 +35,15 @@ impl Reservoir {
         Self { is_open, ..Self::default() }
     }
 
-    /// Offers a collision with the weights `beta`, of which `expected` (above 0, any common scale) is thought to come out. `u` in (0, 1).
-    pub(super) fn offer(&mut self, position: DVec3, beta: [f64; 3], expected: f64, u: f64) {
+    /// Offers a collision with the weights `beta`, the nearest surface in the direction `normal`, of which `expected` (above 0, any common scale) is thought to come out. `u` in (0, 1).
+    pub(super) fn offer(&mut self, position: DVec3, normal: Option<DVec3>, beta: [f64; 3], expected: f64, u: f64) {
         if !(expected > 0.0 && expected.is_finite()) {
             return;
         }
         self.total += expected;
         if u * self.total < expected {
             self.position = position;
+            self.normal = normal;
             self.ratio = beta.map(|x| x / expected);
         }
     }
@@ -52,6 +56,6 @@ impl Reservoir {
     /// The chosen collision; none if nothing was offered.
     pub(in crate::path) fn source(&self) -> Option<Source> {
         let throughput = self.ratio.map(|x| (x * self.total) as f32);
-        (self.total > 0.0).then_some(Source { position: self.position, throughput })
+        (self.total > 0.0).then_some(Source { position: self.position, normal: self.normal.map(|n| n.as_vec3()), throughput })
     }
 }
