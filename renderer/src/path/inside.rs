@@ -33,6 +33,8 @@ pub(super) const EXIT_DENSITY: f64 = 0.5 / PI;
 const ALPHA_MIN: f64 = 0.03;
 /// Smallest roughness for the direction of a connection, for the same reason.
 const ALPHA_DRAWN_MIN: f64 = 0.08;
+/// What the depth, in radii of the body, adds to it.
+const ALPHA_PER_DEPTH: f32 = 0.3;
 /// Shares of connections refracted at a very rough surface, and of those that leave in any direction: they bound the weights where the
 /// nearest surface tells little or nothing of the point of exit.
 const BROAD_SHARE: f64 = 0.2;
@@ -40,7 +42,7 @@ const UNIFORM_SHARE: f64 = 0.05;
 /// Roughness (alpha) of the very rough surface.
 const ALPHA_BROAD: f64 = 0.5;
 /// Least cosine between the light and the normal that the light is refracted at.
-const COS_LIGHT_MIN: f64 = 0.05;
+const COS_LIGHT_MIN: f32 = 0.05;
 
 /// How a surface refracts, as far as it decides where connections go.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +61,14 @@ impl Passage {
         let alpha = optics.alpha_x.max(optics.alpha_y);
         let is_rough = alpha >= ALPHA_MIN && !optics.is_smooth && !optics.is_matched;
         is_rough.then_some(Self { alpha: alpha.max(ALPHA_DRAWN_MIN) as f32, eta: optics.eta as f32 })
+    }
+}
+
+impl Passage {
+    /// The same for a collision at a depth, as a share of the body's radius: the deeper, the less the nearest surface tells of the point of
+    /// exit.
+    pub(super) fn over(self, depth: f32) -> Self {
+        Self { alpha: (self.alpha + ALPHA_PER_DEPTH * depth).min(1.0), ..self }
     }
 }
 
@@ -148,12 +158,12 @@ impl Kernel for Aim<'_> {
             let choice: [L; 4] = draw(Group::Light, vertex, &seeds, &indices);
             let light = prepared.light.sample(choice[0], choice[1]);
             let share = L::select(light.pdf.gt(L::zero()), L::one() / (light.pdf + L::of(EXIT_DENSITY)), L::zero());
-            let n = |k: usize| L::from_fn(|i| at(i).normal[k]);
-            let n = V3::new(n(0), n(1), n(2));
-            // The point of exit may see a light that the nearest surface does not.
-            let lack = L::of(COS_LIGHT_MIN) - n.dot(light.direction);
-            let n = V3::select(lack.gt(L::zero()), (n + light.direction.scale(lack)).normalize(), n);
-            let frame = Frame::around(n);
+            let normals = per_lane([0.0; 3], |i| {
+                let interior = Interior::new(&prepared.geometry, paths.body[at(i).path as usize]);
+                exit_normal(&interior, at(i), lane_vector(light.direction, i)).to_array()
+            });
+            let n = |k: usize| L::from_fn(|i| normals[i][k]);
+            let frame = Frame::around(V3::new(n(0), n(1), n(2)));
             let lobe = Lobes {
                 wo: frame.local(light.direction),
                 alpha: L::from_fn(|i| at(i).passage.alpha),
@@ -172,6 +182,25 @@ impl Kernel for Aim<'_> {
             }
         }
     }
+}
+
+/// Normal of the surface about where light in a direction leaves the body, on the side of the light: that of the surface nearest to the
+/// point where straight refraction at the surface nearest to the collision would take it.
+fn exit_normal(interior: &Interior<'_>, connection: &Connection, light: Vec3) -> Vec3 {
+    // The point of exit may see a light that the nearest surface does not.
+    let towards = |n: Vec3| {
+        let lack = COS_LIGHT_MIN - n.dot(light);
+        if lack > 0.0 { (n + light * lack).try_normalize().unwrap_or(light) } else { n }
+    };
+    let (n, eta) = (towards(connection.normal), connection.passage.eta);
+    let cos = n.dot(light);
+    let cos2 = 1.0 - (1.0 - cos * cos).max(0.0) / (eta * eta);
+    if cos2 < 0.01 {
+        return n;
+    }
+    let way = light / eta - n * (cos / eta - cos2.sqrt());
+    let exit = connection.source.position + (way * (connection.source.depth / cos2.sqrt())).as_dvec3();
+    interior.depth(exit).map_or(n, |depth| towards(depth.normal.as_vec3()))
 }
 
 /// Directions inwards for light from `wo` (local, unit, above the surface): refraction at a facet, or any direction.
@@ -260,7 +289,9 @@ impl Emerge<'_> {
         let of = |i: usize| &connections[number[i]];
         let id = per_lane(0usize, |i| of(i).path as usize);
         let hits = per_lane(Hit::MISS, |i| of(i).exit);
-        let vector = |f: fn(&Connection) -> Vec3| V3::new(L::from_fn(|i| f(of(i)).x), L::from_fn(|i| f(of(i)).y), L::from_fn(|i| f(of(i)).z));
+        let vector = |f: fn(&Connection) -> Vec3| {
+            V3::new(L::from_fn(|i| f(of(i)).x), L::from_fn(|i| f(of(i)).y), L::from_fn(|i| f(of(i)).z))
+        };
         let wo = -vector(|c| c.direction);
         let light = vector(|c| c.light);
         let at: Point<L> = point(&prepared.geometry, &hits, surface.needs_tangent(), surface.reads_images());
@@ -305,6 +336,113 @@ impl Emerge<'_> {
             self.shadows.contributions.push(contribution);
             self.shadows.paths.push(of(i).path);
             self.shadows.sigmas.push([0.0; 3]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sampler::mix;
+    use super::super::tests::{environment, object, scene, sphere};
+    use super::super::{Film, render_pass};
+    use super::*;
+    use burnish_material::{Material, Property, Value};
+    use std::sync::Arc;
+
+    fn number(i: u32, k: u32) -> f32 {
+        (mix(i.wrapping_mul(0x9e37_79b9) ^ mix(k + 1)) >> 8) as f32 / 16_777_216.0
+    }
+
+    #[test]
+    fn directions_inwards_follow_their_density() {
+        let axis = V3::new(0.36f32, 0.48, -0.8);
+        let score = |w: V3<f32>| (3.0 * w.dot(axis)).exp();
+        for (z, alpha, eta) in [(0.9f32, 0.09f32, 1.4f32), (0.4, 0.3, 1.5), (0.06, 0.12, 1.33), (0.7, 0.2, 0.8)] {
+            let lobes = Lobes { wo: V3::new((1.0 - z * z).sqrt(), 0.0, z), alpha, eta };
+            let count = 400_000;
+            let (mut sum, mut square, mut missing) = (0.0, 0.0, 0.0);
+            for i in 0..count {
+                let (w, pdf) = lobes.sample([0, 1, 2].map(|k| number(i, k)));
+                let x = if pdf > 0.0 { f64::from(score(w) / pdf) } else { 0.0 };
+                sum += x / f64::from(count);
+                square += x * x / f64::from(count);
+                missing += if pdf > 0.0 { 0.0 } else { 1.0 / f64::from(count) };
+                assert!((pdf == 0.0 || (w.length_squared() - 1.0).abs() < 1e-4) && pdf >= 0.0 && pdf.is_finite());
+            }
+            // Integral of exp(3 cos) over the sphere; of what is lost to total reflection nothing is drawn.
+            let known = 4.0 * PI * 3f64.sinh() / 3.0;
+            let sigma = ((square - sum * sum) / f64::from(count)).sqrt();
+            assert!((sum - known).abs() < 4.0 * sigma && sigma < 0.05 * known, "{z} {alpha} {eta}: {sum} {known} {sigma}");
+            let inside = density_over_the_sphere(&lobes);
+            assert!((inside + missing - 1.0).abs() < 0.02, "{z} {alpha} {eta}: {inside} {missing}");
+        }
+    }
+
+    fn density_over_the_sphere(lobes: &Lobes<f32>) -> f64 {
+        let n = 800;
+        let mut sum = 0.0;
+        for i in 0..n {
+            for j in 0..2 * n {
+                let z = (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0) as f32;
+                let (sin, cos) = ((f64::from(j) + 0.5) / f64::from(n) * PI).sin_cos();
+                let across = (1.0 - z * z).sqrt();
+                sum += f64::from(lobes.density(V3::new(across * cos as f32, across * sin as f32, z)));
+            }
+        }
+        sum * 4.0 * PI / f64::from(2 * n * n)
+    }
+
+    /// Pixels of a picture, and the sum over them of their variances over seeds.
+    fn pictures(prepared: &Prepared, seeds: u64) -> (Vec<f64>, f64) {
+        let (size, mut means, mut variance) = (24, Vec::new(), 0.0);
+        let mut sums = vec![[0.0f64; 2]; size * size];
+        for seed in 0..seeds {
+            let mut film = Film::new(size, size);
+            render_pass(prepared, &mut film, 16, seed + 11, 2, &|| false).expect("not cancelled");
+            let pixels = film.mean().iter().map(|p| f64::from(p[0] + p[1] + p[2])).collect::<Vec<_>>();
+            means.push(pixels.iter().sum::<f64>());
+            for (sum, x) in sums.iter_mut().zip(pixels) {
+                *sum = [sum[0] + x, sum[1] + x * x];
+            }
+        }
+        for [sum, square] in sums {
+            variance += square / seeds as f64 - (sum / seeds as f64).powi(2);
+        }
+        (means, variance)
+    }
+
+    #[test]
+    fn connections_change_noise_only() {
+        for (roughness, distance, more) in [(0.3, 0.08, 0.0), (0.5, 0.3, 0.0), (0.4, 0.02, 0.6)] {
+            let mut wax = Material::named("wax");
+            for (property, value) in [
+                (Property::translucency, Value::Float(1.0)),
+                (Property::roughness, Value::Float(roughness)),
+                (Property::scatter, Value::Bool(true)),
+                (Property::scatter_color, Value::Color([0.9, 0.7, 0.4])),
+                (Property::scatter_distance, Value::Float(distance)),
+                (Property::coat, Value::Float(more)),
+            ] {
+                wax.set(property, value);
+            }
+            // A small light that no exit finds often.
+            let light = environment(|i, j| if (20..23).contains(&i) && (8..10).contains(&j) { 90.0 } else { 0.2 });
+            let scene = scene(vec![object(sphere(1.0, 48), Arc::new(wax))], light);
+            let mut prepared = Prepared::new(&scene, None);
+            assert!(prepared.passage_of_object[0].is_some());
+            let (connected, variance) = pictures(&prepared, 8);
+            prepared.passage_of_object.fill(None);
+            let (plain, plain_variance) = pictures(&prepared, 24);
+            let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+            let of_mean = |x: &[f64]| {
+                let m = mean(x);
+                (x.iter().map(|v| (v - m).powi(2)).sum::<f64>() / (x.len() * (x.len() - 1)) as f64).sqrt()
+            };
+            let sigma = of_mean(&connected).hypot(of_mean(&plain));
+            let difference = mean(&connected) - mean(&plain);
+            let what = format!("{roughness} {distance} {more}: {difference} of {}, sigma {sigma}", mean(&plain));
+            assert!(difference.abs() < 4.0 * sigma && sigma < 0.01 * mean(&plain), "{what}");
+            assert!(variance < 0.5 * plain_variance, "{what}: variance {variance} {plain_variance}");
         }
     }
 }

@@ -65,7 +65,7 @@ fn step(
     if let (Some(source), Some(passage)) = (reservoir.source(), passage) {
         let normal = source.normal.unwrap_or(normal);
         let u = [0, 1, 2].map(|k| entry.number(k) as f32);
-        inside.push(Connection::new(i as u32, source, body.extinction(), normal, passage, u));
+        inside.push(Connection::new(i as u32, source, body.extinction(), normal, passage.over(source.depth / radius), u));
     }
     match end {
         End::Surface { hit, position, direction, throughput, is_from_collision } => {

@@ -265,9 +265,7 @@ pub(super) fn walk<B: Boundary>(
         let is_fine = depth.is_some_and(|d| d.cell * mixture.slowest() < 2.0);
         let searches = jumps && !is_fine;
         let is_lost = steers && depth.is_none();
-        if (searches || is_lost)
-            && near.is_worth_a_query(position, searches.then(|| mixture.slowest()), is_lost, body.radius)
-        {
+        if (searches || is_lost) && near.is_worth_a_query(position, searches.then(|| mixture.slowest()), is_lost, body.radius) {
             stats.queries += 1;
             near.query(boundary, position);
             if near.within(position) > FAR * body.radius {
@@ -300,7 +298,7 @@ pub(super) fn walk<B: Boundary>(
         if reservoir.is_open() {
             let u = numbers.at(number, Dimension::Reservoir);
             let (about, error) = depth.map_or((near.within(position).max(0.0), 0.0), |d| (d.about, d.error));
-            reservoir.offer(position, near.guide, mixture.weights(), mixture.expected(about, error), u);
+            reservoir.offer(position, (near.guide, about), mixture.weights(), mixture.expected(about, error), u);
         }
         flight = Flight::scattered(&mixture, guide, &numbers, number);
         is_from_collision = true;

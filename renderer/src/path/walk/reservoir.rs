@@ -14,6 +14,7 @@ pub(in crate::path) struct Reservoir {
     total: f64,
     position: DVec3,
     normal: Option<DVec3>,
+    depth: f64,
     /// Weights of the walk there over what was expected.
     ratio: [f64; 3],
 }
@@ -25,6 +26,8 @@ pub(in crate::path) struct Source {
     pub position: DVec3,
     /// Direction of the nearest surface, unit; none if it is not known.
     pub normal: Option<Vec3>,
+    /// About its distance, normalised units.
+    pub depth: f32,
     /// What it sends out in all directions together, per channel, for the whole walk.
     pub throughput: [f32; 3],
 }
@@ -35,15 +38,22 @@ impl Reservoir {
         Self { is_open, ..Self::default() }
     }
 
-    /// Offers a collision with the weights `beta`, the nearest surface in the direction `normal`, of which `expected` (above 0, any common scale) is thought to come out. `u` in (0, 1).
-    pub(super) fn offer(&mut self, position: DVec3, normal: Option<DVec3>, beta: [f64; 3], expected: f64, u: f64) {
+    /// Offers a collision with the weights `beta`, the nearest surface in the direction `normal` at about `depth`, of which `expected` (above 0, any common scale) is thought to come out. `u` in (0, 1).
+    pub(super) fn offer(
+        &mut self,
+        position: DVec3,
+        (normal, depth): (Option<DVec3>, f64),
+        beta: [f64; 3],
+        expected: f64,
+        u: f64,
+    ) {
         if !(expected > 0.0 && expected.is_finite()) {
             return;
         }
         self.total += expected;
         if u * self.total < expected {
             self.position = position;
-            self.normal = normal;
+            (self.normal, self.depth) = (normal, depth);
             self.ratio = beta.map(|x| x / expected);
         }
     }
@@ -56,6 +66,11 @@ impl Reservoir {
     /// The chosen collision; none if nothing was offered.
     pub(in crate::path) fn source(&self) -> Option<Source> {
         let throughput = self.ratio.map(|x| (x * self.total) as f32);
-        (self.total > 0.0).then_some(Source { position: self.position, normal: self.normal.map(|n| n.as_vec3()), throughput })
+        (self.total > 0.0).then_some(Source {
+            position: self.position,
+            normal: self.normal.map(|n| n.as_vec3()),
+            depth: self.depth as f32,
+            throughput,
+        })
     }
 }
