@@ -10,7 +10,7 @@ use super::batch::{Paths, Shadows, Triples};
 use super::detail::{Footprint, Shading};
 use super::frame::{Frame, Point, point};
 use super::geometry::offset;
-use super::inside::EXIT_DENSITY;
+use super::inside::{COS_INSIDE_MIN, EXIT_DENSITY};
 use super::prepared::{Prepared, Surface};
 use super::sampler::{Group, MAX_LANES, draw, per_lane};
 use crate::bsdf::dispersion::spectrum;
@@ -128,7 +128,8 @@ impl Shade<'_> {
             let bsdf = Bsdf::prepare(optics, &surface.albedos, lobes, &view);
             let choice: [L; 4] = draw(Group::Light, self.vertex, &seeds, &indices);
             // Those that come from a collision have been connected by it.
-            let is_connected = <L::Mask as Mask>::from_fn(|i| self.paths.is_connected[id[i]]) & !is_front;
+            let is_steep = frame.local(wo).z.le(L::of(-COS_INSIDE_MIN));
+            let is_connected = <L::Mask as Mask>::from_fn(|i| self.paths.is_connected[id[i]]) & is_steep & !is_front;
             if prepared.light.is_sampled() {
                 let is_open = is_scattered & !is_connected;
                 self.connect(&bsdf, &frame, &at, wo, throughput, [medium, go.beyond], choice, is_open, &id);
