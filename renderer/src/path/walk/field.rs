@@ -28,7 +28,7 @@ pub(in crate::path) struct Depth {
     pub at_least: f64,
     /// About the distance to the nearest surface, at least 0.
     pub about: f64,
-    /// Unit vector towards it, outwards.
+    /// Outward unit normal of it.
     pub normal: DVec3,
     /// What surfaces curved as the body hide from `about`, a length.
     pub error: f64,
@@ -63,31 +63,27 @@ impl Field {
         let mut held = self.cells[index].load(Ordering::Relaxed);
         if held == 0 {
             let nearest = bvh.nearest(center, f64::INFINITY, TOLERANCE)?;
-            held = pack(self.look(&nearest, normals, center));
+            held = pack(Self::look(&nearest, normals, center));
             self.cells[index].store(held, Ordering::Relaxed);
         }
         let (distance, normal) = unpack(held);
         let away = center - point;
+        // The plane is no farther than the triangle.
         let slack = 1e-6 * (f64::from(distance).abs() + self.cell) + 8.0 * super::rounding(center);
         Some(Depth {
             at_least: f64::from(distance).abs() / (1.0 + TOLERANCE) - away.length() - slack,
-            about: (f64::from(distance) / (1.0 + 0.5 * TOLERANCE) + away.dot(normal)).max(0.0),
+            about: (f64::from(distance) + away.dot(normal)).max(0.0),
             normal,
             error: 0.03 * self.cell,
             cell: self.cell,
         })
     }
 
-    /// Distance to the surface, negative outside, and the direction out.
-    fn look(&self, nearest: &Nearest, normals: &[[f32; 3]], center: DVec3) -> (f64, DVec3) {
-        let way = nearest.point - center;
-        let distance = way.length();
+    /// Distance to the plane of the nearest triangle, negative outside, and its normal. Not the distance to the triangle and the way there:
+    /// a point a tenth too far may lie in quite another direction, but its plane is nearly the same.
+    fn look(nearest: &Nearest, normals: &[[f32; 3]], center: DVec3) -> (f64, DVec3) {
         let normal = normals.get(nearest.triangle as usize).map_or(DVec3::Y, |n| Vec3::from(*n).as_dvec3());
-        if way.dot(normal) < 0.0 {
-            return (-distance, normal);
-        }
-        // A short way may lead to an edge or a corner.
-        (distance, if distance > self.cell { way / distance } else { normal })
+        ((nearest.point - center).dot(normal), normal)
     }
 }
 

@@ -24,7 +24,7 @@ pub(in crate::path) struct Reservoir {
 pub(in crate::path) struct Source {
     /// Where, normalised units.
     pub position: DVec3,
-    /// Direction of the nearest surface, unit; none if it is not known.
+    /// Outward normal of the nearest surface, unit; none if it is not known.
     pub normal: Option<Vec3>,
     /// About its distance, normalised units.
     pub depth: f32,
