@@ -31,6 +31,8 @@ pub(super) const EXIT_DENSITY: f64 = 0.5 / PI;
 /// Least cosine inside between the surface and what connections send to it. Flatter light is left to the exits: hardly any of it crosses
 /// the surface, and connections, which come from outside, find it where their density has only its tails.
 pub(super) const COS_INSIDE_MIN: f64 = 0.5;
+/// Least cosine between the normals of the surface nearest to a collision and of the surface where its light leaves.
+const COS_NORMALS_MIN: f32 = 0.94;
 /// Smallest roughness (alpha) of a surface through which bodies are connected: the normals of the nearest surface and of the point of
 /// exit differ, and narrow lobes do not forgive that.
 const ALPHA_MIN: f64 = 0.03;
@@ -84,8 +86,6 @@ pub(super) struct Connection {
     source: Source,
     /// Extinction in the body.
     extinction: [f32; 3],
-    /// Outward unit normal of the nearest surface.
-    normal: Vec3,
     passage: Passage,
     /// Numbers for the facet, and for whether it is asked at all.
     u: [f32; 3],
@@ -100,10 +100,10 @@ pub(super) struct Connection {
 }
 
 impl Connection {
-    /// From a collision in a body whose nearest surface has the outward unit normal `normal`; `u` are three numbers in `[0, 1)`.
-    pub(super) fn new(path: u32, source: Source, extinction: [f32; 3], normal: Vec3, passage: Passage, u: [f32; 3]) -> Self {
+    /// From a collision; `u` are three numbers in `[0, 1)`.
+    pub(super) fn new(path: u32, source: Source, extinction: [f32; 3], passage: Passage, u: [f32; 3]) -> Self {
         let (direction, light) = (Vec3::ZERO, Vec3::ZERO);
-        Self { path, source, extinction, normal, passage, u, direction, light, weight: [0.0; 3], exit: Hit::MISS }
+        Self { path, source, extinction, passage, u, direction, light, weight: [0.0; 3], exit: Hit::MISS }
     }
 }
 
@@ -125,11 +125,20 @@ pub(super) fn connect(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats
     inside.clear();
 }
 
-/// Follows a connection to the surface. False: there is none, or it is seen from outside.
+/// Whether connections, and not the exits of walks, bring light to a collision from where `hit` lies: on a surface whose normal is much
+/// that of the nearest surface, `normal`. Beyond an edge the nearest surface tells nothing.
+pub(super) fn reaches(prepared: &Prepared, normal: Vec3, hit: &Hit) -> bool {
+    let at_exit = prepared.geometry.normals.get(hit.triangle as usize);
+    at_exit.is_some_and(|n| Vec3::from(*n).dot(normal) >= COS_NORMALS_MIN)
+}
+
+/// Follows a connection to the surface. False: it does not arrive where connections serve.
 fn leave_body(prepared: &Prepared, connection: &mut Connection) -> bool {
     let geometry = prepared.geometry.as_ref();
     let hit = Interior::new(geometry, NONE).hit(connection.source.position, connection.direction, f32::INFINITY);
-    if hit.is_miss() || Vec3::from(geometry.normals[hit.triangle as usize]).dot(connection.direction) <= 0.0 {
+    let is_leaving = |n: &[f32; 3]| Vec3::from(*n).dot(connection.direction) > 0.0;
+    let is_inside = geometry.normals.get(hit.triangle as usize).is_some_and(is_leaving);
+    if !is_inside || !reaches(prepared, connection.source.normal, &hit) {
         return false;
     }
     for k in 0..3 {
@@ -157,7 +166,7 @@ impl Kernel for Aim<'_> {
             let at = |i: usize| &group[if i < group.len() { i } else { 0 }];
             let seeds: Words = per_lane(0, |i| paths.seeds[at(i).path as usize]);
             let indices: Words = per_lane(0, |i| paths.indices[at(i).path as usize]);
-            // The exit of the same walk draws no light: the numbers are free.
+            // Where the exit of the same walk draws a light with these numbers, connections bring none.
             let choice: [L; 4] = draw(Group::Light, vertex, &seeds, &indices);
             let light = prepared.light.sample(choice[0], choice[1]);
             let share = L::select(light.pdf.gt(L::zero()), L::one() / (light.pdf + L::of(EXIT_DENSITY)), L::zero());
@@ -195,7 +204,7 @@ fn exit_normal(interior: &Interior<'_>, connection: &Connection, light: Vec3) ->
         let lack = COS_LIGHT_MIN - n.dot(light);
         if lack > 0.0 { (n + light * lack).try_normalize().unwrap_or(light) } else { n }
     };
-    let (n, eta) = (towards(connection.normal), connection.passage.eta);
+    let (n, eta) = (towards(connection.source.normal), connection.passage.eta);
     let cos = n.dot(light);
     let cos2 = 1.0 - (1.0 - cos * cos).max(0.0) / (eta * eta);
     if cos2 < 0.01 {
@@ -203,7 +212,8 @@ fn exit_normal(interior: &Interior<'_>, connection: &Connection, light: Vec3) ->
     }
     let way = light / eta - n * (cos / eta - cos2.sqrt());
     let exit = connection.source.position + (way * (connection.source.depth / cos2.sqrt())).as_dvec3();
-    interior.depth(exit).map_or(n, |depth| towards(depth.normal.as_vec3()))
+    let found = interior.depth(exit).map(|depth| depth.normal.as_vec3());
+    found.filter(|found| found.dot(connection.source.normal) >= COS_NORMALS_MIN).map_or(n, towards)
 }
 
 /// Directions inwards for light from `wo` (local, unit, above the surface): refraction at a facet, or any direction.

@@ -63,13 +63,12 @@ fn step(
     let mut reservoir = Reservoir::new(passage.is_some());
     let end = walk(&interior, &body, &entry, Method::Jumping, &mut reservoir, done);
     if let (Some(source), Some(passage)) = (reservoir.source(), passage) {
-        let normal = source.normal.unwrap_or(normal);
         let u = [0, 1, 2].map(|k| entry.number(k) as f32);
-        inside.push(Connection::new(i as u32, source, body.extinction(), normal, passage.over(source.depth / radius), u));
+        inside.push(Connection::new(i as u32, source, body.extinction(), passage.over(source.depth / radius), u));
     }
     match end {
-        End::Surface { hit, position, direction, throughput, is_from_collision } => {
-            paths.is_connected[i] = is_from_collision && passage.is_some();
+        End::Surface { hit, position, direction, throughput, source_normal } => {
+            paths.is_connected[i] = source_normal.is_some_and(|n| inside::reaches(prepared, n, &hit));
             paths.hits[i] = hit;
             let position = position.as_vec3();
             for k in 0..3 {

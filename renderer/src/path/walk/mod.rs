@@ -117,8 +117,8 @@ pub(super) enum End {
         direction: Vec3,
         /// Weight per channel.
         throughput: [f32; 3],
-        /// Whether the last flight left a collision that was offered to the reservoir.
-        is_from_collision: bool,
+        /// Where the last flight left a collision that was offered to the reservoir: the normal that was offered with it.
+        source_normal: Option<Vec3>,
     },
     /// Nothing is left of it.
     Absorbed,
@@ -220,7 +220,7 @@ pub(super) fn walk<B: Boundary>(
     let mut position = entry.position;
     let mut flight = Flight::fixed(&mixture, entry.direction.as_dvec3(), &numbers, 0);
     let mut first = Some(entry.first);
-    let mut is_from_collision = false;
+    let mut source_normal = None;
     let mut collisions = 0u32;
     for number in 1u32.. {
         let direction = flight.direction.as_vec3();
@@ -241,7 +241,7 @@ pub(super) fn walk<B: Boundary>(
             }
             mixture.arrive(&flight, f64::from(hit.t));
             stats.max_weight = stats.max_weight.max(mixture.largest() / start);
-            return End::Surface { hit, position, direction, throughput: mixture.throughput(), is_from_collision };
+            return End::Surface { hit, position, direction, throughput: mixture.throughput(), source_normal };
         }
         mixture.collide(&flight);
         position += flight.direction * flight.length.min((f64::from(hit.t) - margin).max(0.0));
@@ -286,7 +286,7 @@ pub(super) fn walk<B: Boundary>(
             }
             let direction = guide::around(normal, cosine, numbers.at(number, Dimension::JumpAzimuth));
             flight = Flight::fixed(&mixture, direction, &numbers, number);
-            is_from_collision = false;
+            source_normal = None;
             continue;
         }
         let guide = match near.guide {
@@ -298,10 +298,11 @@ pub(super) fn walk<B: Boundary>(
         if reservoir.is_open() {
             let u = numbers.at(number, Dimension::Reservoir);
             let (about, error) = depth.map_or((near.within(position).max(0.0), 0.0), |d| (d.about, d.error));
-            reservoir.offer(position, (near.guide, about), mixture.weights(), mixture.expected(about, error), u);
+            let normal = near.guide.map_or(entry.normal, |n| n.as_vec3());
+            source_normal = Some(normal);
+            reservoir.offer(position, (normal, about), mixture.weights(), mixture.expected(about, error), u);
         }
         flight = Flight::scattered(&mixture, guide, &numbers, number);
-        is_from_collision = true;
     }
     End::Absorbed
 }
@@ -316,7 +317,7 @@ fn straight(mixture: &Mixture, entry: &Entry, start: f64, stats: &mut WalkStats)
     }
     let largest = throughput.iter().fold(0.0f32, |a, b| a.max(*b));
     stats.max_weight = stats.max_weight.max(f64::from(largest) / start);
-    End::Surface { hit, position, direction, throughput, is_from_collision: false }
+    End::Surface { hit, position, direction, throughput, source_normal: None }
 }
 
 fn lost(position: DVec3, direction: Vec3, stats: &mut WalkStats) -> End {

@@ -13,7 +13,7 @@ pub(in crate::path) struct Reservoir {
     is_open: bool,
     total: f64,
     position: DVec3,
-    normal: Option<DVec3>,
+    normal: Vec3,
     depth: f64,
     /// Weights of the walk there over what was expected.
     ratio: [f64; 3],
@@ -24,8 +24,8 @@ pub(in crate::path) struct Reservoir {
 pub(in crate::path) struct Source {
     /// Where, normalised units.
     pub position: DVec3,
-    /// Outward normal of the nearest surface, unit; none if it is not known.
-    pub normal: Option<Vec3>,
+    /// Outward normal of the nearest surface, as far as it is known, unit.
+    pub normal: Vec3,
     /// About its distance, normalised units.
     pub depth: f32,
     /// What it sends out in all directions together, per channel, for the whole walk.
@@ -39,14 +39,7 @@ impl Reservoir {
     }
 
     /// Offers a collision with the weights `beta`, the nearest surface in the direction `normal` at about `depth`, of which `expected` (above 0, any common scale) is thought to come out. `u` in (0, 1).
-    pub(super) fn offer(
-        &mut self,
-        position: DVec3,
-        (normal, depth): (Option<DVec3>, f64),
-        beta: [f64; 3],
-        expected: f64,
-        u: f64,
-    ) {
+    pub(super) fn offer(&mut self, position: DVec3, (normal, depth): (Vec3, f64), beta: [f64; 3], expected: f64, u: f64) {
         if !(expected > 0.0 && expected.is_finite()) {
             return;
         }
@@ -68,7 +61,7 @@ impl Reservoir {
         let throughput = self.ratio.map(|x| (x * self.total) as f32);
         (self.total > 0.0).then_some(Source {
             position: self.position,
-            normal: self.normal.map(|n| n.as_vec3()),
+            normal: self.normal,
             depth: self.depth as f32,
             throughput,
         })
