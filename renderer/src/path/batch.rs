@@ -1,6 +1,7 @@
 //! State of the paths in flight on one thread: one array per number, one entry per path, reused from batch to batch.
 
 use super::film::Cell;
+use super::inside::Connection;
 use super::raygen::Place;
 use super::sampler::mix;
 use crate::bvh::{Hit, NONE, Order, Ray};
@@ -34,6 +35,8 @@ pub(super) struct Paths {
     pub is_dispersed: Vec<bool>,
     /// Density of the last direction that a non-delta lobe chose; 0 if light sampling could not have found it.
     pub pdf: Vec<f32>,
+    /// Whether the path arrives from a collision that has been connected to the light.
+    pub is_connected: Vec<bool>,
     /// Width of the cone where the ray starts, normalised units.
     pub cone_width: Vec<f32>,
     /// How fast it widens: width per distance.
@@ -83,6 +86,7 @@ impl Paths {
         self.body.resize(count, NONE);
         self.wavelength.resize(count, 0.0);
         self.is_dispersed.resize(count, false);
+        self.is_connected.resize(count, false);
         self.bounces.resize(count, 0);
         self.excluded.resize(count, NONE);
         self.seeds.resize(count, 0);
@@ -112,9 +116,14 @@ impl Paths {
         for column in [&mut self.body, &mut self.bounces, &mut self.excluded, &mut self.indices] {
             column[branch] = column[path];
         }
-        for column in
-            [&mut self.is_dispersed, &mut self.is_covered, &mut self.is_from_receiver, &mut self.is_cold, &mut self.is_lit]
-        {
+        for column in [
+            &mut self.is_dispersed,
+            &mut self.is_connected,
+            &mut self.is_covered,
+            &mut self.is_from_receiver,
+            &mut self.is_cold,
+            &mut self.is_lit,
+        ] {
             column[branch] = column[path];
         }
         self.seeds[branch] = mix(self.seeds[path] ^ BRANCH_SALT);
@@ -177,6 +186,8 @@ pub(super) struct Batch {
     pub missed: Vec<u32>,
     /// Light connections of this depth.
     pub shadows: Shadows,
+    /// Connections from inside of scattering bodies of this depth.
+    pub inside: Vec<Connection>,
     /// Rays of the active paths.
     pub rays: Vec<Ray>,
     /// Memory to sort them in.

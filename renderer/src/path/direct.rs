@@ -167,7 +167,7 @@ impl Shade<'_> {
     fn push<L: Lanes>(&mut self, here: &Encounter<'_, L>, is_used: L::Mask, direction: V3<L>, brought: Rgb<L>) {
         let zero = L::zero();
         let outwards = direction.dot(here.at.ng);
-        let is_used = is_used & here.is_scattered & !brought.max_channel().le(zero);
+        let is_used = is_used & here.is_open & !brought.max_channel().le(zero);
         if !is_used.any() {
             return;
         }

@@ -2,11 +2,12 @@
 
 use super::displace::{HeightKey, Patch, Relief, length_scale};
 use super::mip::Sources;
+use super::walk::Field;
 use crate::bvh::{Bvh, Ray};
 use crate::scene::{Object, Scene};
 use burnish_assets::Mesh;
 use glam::{DVec3, Vec3};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Position, normal, tangent with handedness, texture coordinate of a vertex.
 pub(super) type Vertex = [f32; 12];
@@ -32,6 +33,8 @@ pub(super) struct Geometry {
     pub normals: Vec<[f32; 3]>,
     /// A sphere around each object; `None` around nothing.
     pub spheres: Vec<Option<Sphere>>,
+    /// Distances inside of the objects, made when a walk first asks for them.
+    fields: Vec<OnceLock<Option<Field>>>,
 }
 
 /// A ball of space, normalised units.
@@ -104,6 +107,7 @@ impl Geometry {
             triangles: Vec::new(),
             normals: Vec::new(),
             spheres: Vec::new(),
+            fields: scene.objects.iter().map(|_| OnceLock::new()).collect(),
         };
         let mut corners = Vec::new();
         for (number, object) in scene.objects.iter().enumerate() {
@@ -164,6 +168,21 @@ impl Geometry {
     /// A scene point in normalised units.
     pub(super) fn normalized(&self, p: Vec3) -> Vec3 {
         ((p.as_dvec3() - self.center) * self.scale).as_vec3()
+    }
+
+    /// Distances inside of an object; none for an object that is not there or has no extent.
+    pub(super) fn field(&self, object: u32) -> Option<&Field> {
+        let made = self.fields.get(object as usize)?.get_or_init(|| {
+            let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            for t in self.triangles.iter().filter(|t| t[3] == object) {
+                for &i in &t[..3] {
+                    let p = Vec3::from_slice(&self.vertices[i as usize][..3]);
+                    bounds = (bounds.0.min(p), bounds.1.max(p));
+                }
+            }
+            Field::new(bounds.0, bounds.1)
+        });
+        made.as_ref()
     }
 
     /// The object that holds a point (normalised units), if any: the one whose surface a ray leaves first without having entered

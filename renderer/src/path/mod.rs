@@ -23,6 +23,7 @@ mod estimate;
 mod film;
 mod frame;
 mod geometry;
+mod inside;
 mod light;
 #[cfg(test)]
 mod light_tests;

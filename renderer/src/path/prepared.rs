@@ -6,6 +6,7 @@ use super::detail::Bumps;
 use super::direct::Connection;
 use super::displace::{Relief, length_scale};
 use super::geometry::Geometry;
+use super::inside::Passage;
 use super::light::{Light, LightTables};
 use super::mip::Sources;
 use super::texture::Texture;
@@ -33,6 +34,8 @@ pub struct Prepared {
     pub(super) has_scattering: bool,
     /// Whether any material disperses.
     pub(super) has_dispersion: bool,
+    /// How each object is connected to the light from inside; none where it is not.
+    pub(super) passage_of_object: Vec<Option<Passage>>,
     /// Half the smallest extent of each object, normalised units: how far its inside is from its surface at most.
     pub(super) radius_of_object: Vec<f32>,
     /// Whether any surface lets rays pass straight through.
@@ -209,6 +212,8 @@ impl Prepared {
         if caustics.is_some() {
             surfaces.iter_mut().zip(roles).for_each(|(surface, role)| surface.role = role);
         }
+        let passages: Vec<_> = surfaces.iter().map(Passage::of).collect();
+        let passage_of_object = surface_of_object.iter().map(|s| passages[*s as usize]).collect();
         Self {
             light,
             caustics,
@@ -223,6 +228,7 @@ impl Prepared {
             camera_medium,
             has_scattering: has(Lobe::scattering),
             has_dispersion: has(Lobe::dispersion),
+            passage_of_object,
             radius_of_object: scene.objects.iter().map(radius).collect(),
             pool: previous.map_or_else(Arc::default, |p| p.pool.clone()),
             geometry,

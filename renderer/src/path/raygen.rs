@@ -111,6 +111,7 @@ impl Kernel for Raygen<'_> {
                 }
             }
             paths.is_dispersed[place.clone()].fill(false);
+            paths.is_connected[place.clone()].fill(false);
             paths.body[place.clone()].fill(medium.object);
             paths.pdf[place.clone()].fill(0.0);
             paths.cone_width[place.clone()].fill(0.0);

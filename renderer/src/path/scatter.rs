@@ -1,29 +1,42 @@
 //! Between tracing and shading: paths inside scattering bodies walk until they meet a surface.
 
 use super::PassStats;
-use super::batch::Paths;
+use super::batch::{Batch, Paths};
+use super::inside::{self, Connection, Passage};
 use super::prepared::Prepared;
 use super::sampler::{Group, MAX_LANES, draw};
-use super::walk::{Body, End, Entry, Medium, Method, WalkStats, walk};
+use super::walk::{Body, End, Entry, Interior, Medium, Method, Reservoir, WalkStats, walk};
 use crate::bvh::{Hit, NONE};
 use glam::Vec3;
 
 /// Walks on with the paths of `active` that are in a scattering body; their first segments have been traced. Those that meet a surface get
 /// that hit; the others are removed. `vertex` counts the interfaces that each path met before.
-pub(super) fn scatter(prepared: &Prepared, paths: &mut Paths, active: &mut Vec<u32>, vertex: u32, stats: &mut PassStats) {
+pub(super) fn scatter(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: &mut PassStats) {
     let mut done = WalkStats::default();
+    let Batch { paths, active, inside, .. } = &mut *batch;
     active.retain(|&id| {
         let i = id as usize;
         let sigma_s = [0, 1, 2].map(|k| paths.sigma_s[k][i]);
-        sigma_s.iter().all(|s| *s <= 0.0) || step(prepared, paths, i, sigma_s, vertex, &mut done)
+        sigma_s.iter().all(|s| *s <= 0.0) || step(prepared, paths, inside, i, sigma_s, vertex, &mut done)
     });
     stats.walks += done.walks;
     stats.collisions += done.collisions;
     stats.cut_walks += done.cut;
+    if !batch.inside.is_empty() {
+        inside::connect(prepared, batch, vertex, stats);
+    }
 }
 
 /// One walk. False: nothing is left of the path.
-fn step(prepared: &Prepared, paths: &mut Paths, i: usize, sigma_s: [f32; 3], vertex: u32, done: &mut WalkStats) -> bool {
+fn step(
+    prepared: &Prepared,
+    paths: &mut Paths,
+    inside: &mut Vec<Connection>,
+    i: usize,
+    sigma_s: [f32; 3],
+    vertex: u32,
+    done: &mut WalkStats,
+) -> bool {
     let at = |triple: &super::batch::Triples| [0, 1, 2].map(|k| triple[k][i]);
     let medium = Medium { sigma_s, sigma_a: at(&paths.sigma_a) };
     let radius = prepared.radius_of_object.get(paths.body[i] as usize).copied().unwrap_or(1.0);
@@ -44,8 +57,18 @@ fn step(prepared: &Prepared, paths: &mut Paths, i: usize, sigma_s: [f32; 3], ver
         channel_u: u[1],
     };
     let collisions = done.collisions;
-    match walk(prepared.geometry.as_ref(), &Body::new(&medium, radius), &entry, Method::Jumping, done) {
-        End::Surface { hit, position, direction, throughput } => {
+    let interior = Interior::new(&prepared.geometry, paths.body[i]);
+    let body = Body::new(&medium, radius);
+    let passage = passage(prepared, paths, i);
+    let mut reservoir = Reservoir::new(passage.is_some());
+    let end = walk(&interior, &body, &entry, Method::Jumping, &mut reservoir, done);
+    if let (Some(source), Some(passage)) = (reservoir.source(), passage) {
+        let u = [0, 1, 2].map(|k| entry.number(k) as f32);
+        inside.push(Connection::new(i as u32, source, body.extinction(), passage.over(source.depth / radius), u));
+    }
+    match end {
+        End::Surface { hit, position, direction, throughput, source_normal } => {
+            paths.is_connected[i] = source_normal.is_some_and(|n| inside::reaches(prepared, n, &hit));
             paths.hits[i] = hit;
             let position = position.as_vec3();
             for k in 0..3 {
@@ -69,4 +92,12 @@ fn step(prepared: &Prepared, paths: &mut Paths, i: usize, sigma_s: [f32; 3], ver
         }
         End::Absorbed => false,
     }
+}
+
+/// How the body of a path is connected to the light; none where it is not.
+fn passage(prepared: &Prepared, paths: &Paths, i: usize) -> Option<Passage> {
+    if !prepared.light.is_sampled() || paths.bounces[i] > prepared.max_bounces {
+        return None;
+    }
+    prepared.passage_of_object.get(paths.body[i] as usize).copied().flatten()
 }

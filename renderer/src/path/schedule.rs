@@ -200,13 +200,13 @@ fn run_batch(prepared: &Prepared, view: &View, tile: Tile<'_>, seed: u64, batch:
         if batch.active.is_empty() {
             break;
         }
+        batch.shadows.clear();
         trace(prepared, batch, vertex, stats);
         let Batch { paths, active, next, lists, missed, shadows, .. } = &mut *batch;
         if !missed.is_empty() {
             dispatch(Miss { prepared, list: missed, paths, stats });
         }
         next.clear();
-        shadows.clear();
         for (surface, list) in prepared.surfaces.iter().zip(lists.iter()) {
             if !list.is_empty() {
                 dispatch(Shade { prepared, surface, list, vertex, paths, next, shadows, stats });

@@ -11,6 +11,7 @@ use super::caustics::Role;
 use super::detail::{Footprint, Shading};
 use super::frame::{Frame, Point, point};
 use super::geometry::offset;
+use super::inside::{COS_INSIDE_MIN, EXIT_DENSITY};
 use super::prepared::{Prepared, Surface};
 use super::sampler::{Group, MAX_LANES, Words, draw, per_lane};
 use crate::bsdf::dispersion::spectrum;
@@ -140,11 +141,28 @@ impl Shade<'_> {
         }
         let (media, seeds, indices) = ([medium, straight.beyond], &seeds, &indices);
         let is_dispersing = optics.dispersion.gt(L::zero());
+        // Those that come from a collision have been connected by it.
+        let is_steep = frame.local(wo).z.le(L::of(-COS_INSIDE_MIN));
+        let is_connected = <L::Mask as Mask>::from_fn(|i| self.paths.is_connected[id[i]]) & is_steep & !is_front;
         let mut here = None;
         if let Some(bsdf) = &bsdf {
             let frame = &frame;
             let (at, id) = (&at, &id);
-            here = Some(Encounter { bsdf, frame, at, wo, throughput, media, is_scattered, is_dispersing, id, seeds, indices });
+            let is_open = is_scattered & !is_connected;
+            here = Some(Encounter {
+                bsdf,
+                frame,
+                at,
+                wo,
+                throughput,
+                media,
+                is_scattered,
+                is_open,
+                is_dispersing,
+                id,
+                seeds,
+                indices,
+            });
         }
         if let Some(here) = &here {
             choice = draw(Group::Light, self.vertex, seeds, indices);
@@ -174,7 +192,7 @@ impl Shade<'_> {
     #[inline(always)]
     fn scatter<L: Lanes>(&mut self, here: &Encounter<'_, L>, side: Side, roulette: L, go: &mut Continuation<L>) {
         let zero = L::zero();
-        let &Encounter { bsdf, frame, at, wo, is_scattered, is_dispersing, id, .. } = here;
+        let &Encounter { bsdf, frame, at, wo, is_scattered, is_open, is_dispersing, id, .. } = here;
         let sample = bsdf.sample_side(draw(Group::Bsdf, self.vertex, here.seeds, here.indices), side);
         let wi = frame.world(sample.wi).normalize();
         let is_same_side = (wi.dot(at.ng) * wo.dot(at.ng)).gt(zero);
@@ -196,7 +214,8 @@ impl Shade<'_> {
         }
         go.direction = V3::select(is_scattered, wi, go.direction);
         go.throughput = Rgb::select(is_scattered, throughput, go.throughput);
-        go.pdf = L::select(is_scattered, L::select(sample.is_delta, zero, sample.pdf), go.pdf);
+        let pdf = L::select(!is_open & sample.is_transmission, L::of(EXIT_DENSITY), sample.pdf);
+        go.pdf = L::select(is_scattered, L::select(sample.is_delta, zero, pdf), go.pdf);
         go.is_across = go.is_across | (is_scattered & sample.is_transmission);
         if self.surface.lobes.has(Lobe::dispersion) {
             let disperses = is_alive & sample.is_transmission & is_dispersing;
@@ -255,6 +274,7 @@ impl Shade<'_> {
                 self.paths.body[id] = self.prepared.geometry.triangles[hits[i].triangle as usize][3];
             }
             self.paths.pdf[id] = go.pdf.lane(i);
+            self.paths.is_connected[id] = false;
             self.paths.excluded[id] = hits[i].triangle;
             self.paths.bounces[id] += u32::from(!is_passed.lane(i));
             self.next.push(id as u32);
@@ -282,6 +302,8 @@ pub(super) struct Encounter<'a, L: Lanes> {
     /// What the paths are in, and what is behind the surface.
     pub media: [Medium<L>; 2],
     pub is_scattered: L::Mask,
+    /// Those of them that are to be connected to the light.
+    pub is_open: L::Mask,
     pub is_dispersing: L::Mask,
     pub id: &'a [usize; MAX_LANES],
     pub seeds: &'a Words,
@@ -323,15 +345,6 @@ impl Surface {
     }
 }
 
-/// Opacity of a surface at a hit, and the extinction (1/normalised unit) of the body below it.
-pub(super) fn opacity_at(prepared: &Prepared, surface: &Surface, hit: &Hit) -> (f32, [f32; 3]) {
-    let at: Point<f32> = point(&prepared.geometry, &[*hit; MAX_LANES], false, !surface.textures.is_empty());
-    let uniform = surface.inputs.convert(|x| x as f32);
-    let inputs = surface.textured(&uniform, &at.uv, 0.0).unwrap_or(uniform);
-    let optics = interpret(&inputs, surface.lobes, surface.length_scale as f32);
-    (optics.opacity, (optics.sigma_a + optics.sigma_s).0)
-}
-
 /// Wavelengths of paths.
 #[inline(always)]
 pub(super) fn wavelength<L: Lanes>(paths: &Paths, id: &[usize; MAX_LANES]) -> Wavelength<L> {
@@ -341,6 +354,15 @@ pub(super) fn wavelength<L: Lanes>(paths: &Paths, id: &[usize; MAX_LANES]) -> Wa
         weights: Rgb([0, 1, 2].map(|k| L::from_fn(|i| weights[i][k]))),
         is_dispersed: <L::Mask as Mask>::from_fn(|i| paths.is_dispersed[id[i]]),
     }
+}
+
+/// Opacity of a surface at a hit, and the extinction (1/normalised unit) of the body below it.
+pub(super) fn opacity_at(prepared: &Prepared, surface: &Surface, hit: &Hit) -> (f32, [f32; 3]) {
+    let at: Point<f32> = point(&prepared.geometry, &[*hit; MAX_LANES], false, !surface.textures.is_empty());
+    let uniform = surface.inputs.convert(|x| x as f32);
+    let inputs = surface.textured(&uniform, &at.uv, 0.0).unwrap_or(uniform);
+    let optics = interpret(&inputs, surface.lobes, surface.length_scale as f32);
+    (optics.opacity, (optics.sigma_a + optics.sigma_s).0)
 }
 
 /// Adds light to a path, or counts why not.

@@ -12,7 +12,7 @@ pub(super) const PASS_LIMIT: u32 = 128;
 
 /// Traces the active paths and puts each into the list of what it hit; those in scattering bodies after their walk.
 pub(super) fn trace(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: &mut PassStats) {
-    let Batch { paths, active, lists, missed, rays, order, hits, .. } = batch;
+    let Batch { paths, active, rays, order, hits, .. } = batch;
     let at = |triple: &super::batch::Triples, i: usize| Vec3::new(triple[0][i], triple[1][i], triple[2][i]);
     rays.clear();
     rays.extend(active.iter().map(|&i| {
@@ -25,8 +25,9 @@ pub(super) fn trace(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: 
         paths.hits[i as usize] = *hit;
     }
     if prepared.has_scattering {
-        scatter(prepared, paths, active, vertex, stats);
+        scatter(prepared, batch, vertex, stats);
     }
+    let Batch { paths, active, lists, missed, .. } = batch;
     lists.iter_mut().for_each(Vec::clear);
     missed.clear();
     for &i in active.iter() {

@@ -69,10 +69,10 @@ pub(super) fn trace_photons(
         if batch.active.is_empty() {
             break;
         }
+        batch.shadows.clear();
         trace(prepared, batch, vertex, stats);
         let Batch { paths, active, next, lists, shadows, .. } = &mut *batch;
         next.clear();
-        shadows.clear();
         for (surface, list) in prepared.surfaces.iter().zip(lists.iter()) {
             if !list.is_empty() {
                 dispatch(Scatter { prepared, surface, view, list, vertex, paths, next, shadows, stats });

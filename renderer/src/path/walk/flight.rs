@@ -95,6 +95,17 @@ impl<'a> Mixture<'a> {
     }
 
     /// Weights.
+    pub(super) fn weights(&self) -> [f64; 3] {
+        self.beta
+    }
+
+    /// What is expected to come straight out of a depth that is known up to an error, up to a common factor. Above 0 where any weight is.
+    pub(super) fn expected(&self, depth: f64, error: f64) -> f64 {
+        let share = |extinction: f64| (-(extinction * depth / (1.0 + extinction * error)).min(500.0)).exp();
+        self.iter().map(|(channel, beta)| beta * share(channel.extinction)).sum()
+    }
+
+    /// Weights in single precision.
     pub(super) fn throughput(&self) -> [f32; 3] {
         self.beta.map(|x| x as f32)
     }

@@ -58,6 +58,11 @@ impl Body {
         });
         Self { channels, radius }
     }
+
+    /// Extinction per channel, 1/normalised unit.
+    pub(in crate::path) fn extinction(&self) -> [f32; 3] {
+        self.channels.map(|channel| channel.extinction as f32)
+    }
 }
 
 /// Share of steered directions for a diffusion length: a body that is not many of them thick sends light out on all sides, and steering

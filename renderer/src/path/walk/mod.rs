@@ -18,6 +18,7 @@
 //! Jumps cost a little variance and bound the work: without absorption 30 flights per walk at 1e5 mean free paths, where walking takes
 //! 133,000. Their bias on what leaves those balls and half-spaces is below what could be measured, 5e-4 of it.
 
+mod field;
 mod flight;
 mod guide;
 mod jump;
@@ -25,12 +26,17 @@ mod medium;
 mod mesh;
 mod near;
 mod numbers;
+mod reservoir;
 #[cfg(test)]
 mod tests;
 
+pub(super) use field::Field;
 pub(super) use medium::{Body, Medium};
+pub(super) use mesh::Interior;
+pub(super) use reservoir::{Reservoir, Source};
 
 use crate::bvh::{Hit, Nearest};
+use field::Depth;
 use flight::{Flight, Mixture};
 use glam::{DVec3, Vec3};
 use near::Near;
@@ -44,6 +50,10 @@ pub(super) trait Boundary {
     fn hit(&self, point: DVec3, direction: Vec3, t_max: f32) -> Hit;
     /// A point of a surface within `r_max`, at most `1 + tolerance` times as far as the nearest.
     fn nearest(&self, point: DVec3, r_max: f64, tolerance: f64) -> Option<Nearest>;
+    /// How deep a point lies, where that is known without a search.
+    fn depth(&self, _point: DVec3) -> Option<Depth> {
+        None
+    }
     /// Outward unit normal of a triangle, or of the surface near a point where there are no triangles.
     fn normal(&self, triangle: u32, point: DVec3) -> Vec3;
     /// Whether this hit shows that the walk has left, unnoticed, the body that it entered through the triangle `entered`.
@@ -87,6 +97,13 @@ pub(super) struct Entry {
     pub channel_u: f32,
 }
 
+impl Entry {
+    /// Numbers in (0, 1) that the walk itself leaves alone, `k` below 16.
+    pub(super) fn number(&self, k: u32) -> f64 {
+        Numbers::new(self.seed, self.index, self.vertex).spare(k)
+    }
+}
+
 /// How a walk ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
@@ -100,6 +117,8 @@ pub(super) enum End {
         direction: Vec3,
         /// Weight per channel.
         throughput: [f32; 3],
+        /// Where the last flight left a collision that was offered to the reservoir: the normal that was offered with it.
+        source_normal: Option<Vec3>,
     },
     /// Nothing is left of it.
     Absorbed,
@@ -175,8 +194,15 @@ fn rounding(point: DVec3) -> f64 {
     point.abs().max_element() * f64::from(f32::EPSILON)
 }
 
-/// Follows one walk to its end.
-pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method: Method, stats: &mut WalkStats) -> End {
+/// Follows one walk to its end. Collisions from which a flight may leave in any direction are offered to the reservoir.
+pub(super) fn walk<B: Boundary>(
+    boundary: &B,
+    body: &Body,
+    entry: &Entry,
+    method: Method,
+    reservoir: &mut Reservoir,
+    stats: &mut WalkStats,
+) -> End {
     stats.walks += 1;
     let numbers = Numbers::new(entry.seed, entry.index, entry.vertex);
     let Some(mut mixture) = Mixture::new(body, entry.throughput, f64::from(entry.channel_u)) else {
@@ -194,6 +220,7 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
     let mut position = entry.position;
     let mut flight = Flight::fixed(&mixture, entry.direction.as_dvec3(), &numbers, 0);
     let mut first = Some(entry.first);
+    let mut source_normal = None;
     let mut collisions = 0u32;
     for number in 1u32.. {
         let direction = flight.direction.as_vec3();
@@ -214,7 +241,7 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
             }
             mixture.arrive(&flight, f64::from(hit.t));
             stats.max_weight = stats.max_weight.max(mixture.largest() / start);
-            return End::Surface { hit, position, direction, throughput: mixture.throughput() };
+            return End::Surface { hit, position, direction, throughput: mixture.throughput(), source_normal };
         }
         mixture.collide(&flight);
         position += flight.direction * flight.length.min((f64::from(hit.t) - margin).max(0.0));
@@ -230,7 +257,15 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
             return End::Absorbed;
         }
         let jumps = method == Method::Jumping && mixture.slowest() * body.radius >= jump::RADIUS_MIN;
-        if (jumps || steers) && near.is_worth_a_query(position, jumps.then(|| mixture.slowest()), steers, body.radius) {
+        let depth = if jumps || steers || reservoir.is_open() { boundary.depth(position) } else { None };
+        if let Some(depth) = &depth {
+            near.learn(position, depth);
+        }
+        // What is known of cells is enough unless they are wider than a flight.
+        let is_fine = depth.is_some_and(|d| d.cell * mixture.slowest() < 2.0);
+        let searches = jumps && !is_fine;
+        let is_lost = steers && depth.is_none();
+        if (searches || is_lost) && near.is_worth_a_query(position, searches.then(|| mixture.slowest()), is_lost, body.radius) {
             stats.queries += 1;
             near.query(boundary, position);
             if near.within(position) > FAR * body.radius {
@@ -251,6 +286,7 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
             }
             let direction = guide::around(normal, cosine, numbers.at(number, Dimension::JumpAzimuth));
             flight = Flight::fixed(&mixture, direction, &numbers, number);
+            source_normal = None;
             continue;
         }
         let guide = match near.guide {
@@ -259,6 +295,13 @@ pub(super) fn walk<B: Boundary>(boundary: &B, body: &Body, entry: &Entry, method
             None if collisions <= FALLBACK_COLLISIONS => Some((entry.normal.as_dvec3(), 0.5)),
             None => None,
         };
+        if reservoir.is_open() {
+            let u = numbers.at(number, Dimension::Reservoir);
+            let (about, error) = depth.map_or((near.within(position).max(0.0), 0.0), |d| (d.about, d.error));
+            let normal = near.guide.map_or(entry.normal, |n| n.as_vec3());
+            source_normal = Some(normal);
+            reservoir.offer(position, (normal, about), mixture.weights(), mixture.expected(about, error), u);
+        }
         flight = Flight::scattered(&mixture, guide, &numbers, number);
     }
     End::Absorbed
@@ -274,7 +317,7 @@ fn straight(mixture: &Mixture, entry: &Entry, start: f64, stats: &mut WalkStats)
     }
     let largest = throughput.iter().fold(0.0f32, |a, b| a.max(*b));
     stats.max_weight = stats.max_weight.max(f64::from(largest) / start);
-    End::Surface { hit, position, direction, throughput }
+    End::Surface { hit, position, direction, throughput, source_normal: None }
 }
 
 fn lost(position: DVec3, direction: Vec3, stats: &mut WalkStats) -> End {

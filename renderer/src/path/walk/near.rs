@@ -1,6 +1,7 @@
 //! How far the surface is, remembered: the distance cannot change faster than the walk moves, so most collisions need no query and most
 //! flights deep inside no ray.
 
+use super::field::Depth;
 use super::{Boundary, Entry, jump, rounding};
 use glam::DVec3;
 
@@ -28,6 +29,14 @@ impl Near {
     /// No surface is nearer than this. May be negative.
     pub(super) fn within(&self, position: DVec3) -> f64 {
         self.distance - self.anchor.distance(position)
+    }
+
+    /// Takes over what is known of a place without a query.
+    pub(super) fn learn(&mut self, position: DVec3, depth: &Depth) {
+        self.guide = Some(depth.normal);
+        if depth.at_least > self.within(position) {
+            (self.anchor, self.distance) = (position, depth.at_least);
+        }
     }
 
     /// Whether a query at this place may tell something useful. `extinction` is that for which jumps are looked for.

@@ -27,6 +27,8 @@ pub(super) enum Dimension {
     JumpAzimuth,
     /// Whether a walk made faint by a jump goes on.
     JumpRoulette,
+    /// Whether a collision replaces the one that the reservoir holds.
+    Reservoir,
 }
 
 /// Numbers of one flight lie this far apart; more than there are dimensions.
@@ -55,7 +57,15 @@ impl Numbers {
 
     /// One number in (0, 1), neither end included.
     pub(super) fn at(&self, flight: u32, dimension: Dimension) -> f64 {
-        let number = u64::from(flight) * STRIDE + dimension as u64 + 1;
+        self.number(u64::from(flight) * STRIDE + dimension as u64 + 1)
+    }
+
+    /// Numbers that belong to no flight.
+    pub(super) fn spare(&self, k: u32) -> f64 {
+        self.number(u64::from(u32::MAX) * STRIDE + u64::from(k) + 1)
+    }
+
+    fn number(&self, number: u64) -> f64 {
         let x = finalize(self.key.wrapping_add(number.wrapping_mul(GOLDEN)));
         ((x >> 12) as f64 + 0.5) * (1.0 / 4_503_599_627_370_496.0)
     }

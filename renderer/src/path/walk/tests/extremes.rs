@@ -35,7 +35,7 @@ fn a_walk_is_the_same_to_the_bit_wherever_it_is_taken() {
 fn a_body_that_only_absorbs_leaves_nothing_to_chance() {
     let body = Body::new(&medium([0.0, 2.0, 50.0], [1.0; 3]), 1.0);
     ends(&body, [0.7, 1.0, 1.0], 200, |entry, end| {
-        let End::Surface { hit, throughput, position, direction } = end else { panic!("{end:?}") };
+        let End::Surface { hit, throughput, position, direction, .. } = end else { panic!("{end:?}") };
         assert_eq!((hit, position, direction), (entry.first, entry.position, entry.direction));
         for (k, s) in [0.0, 2.0, 50.0].into_iter().enumerate() {
             let expected = entry.throughput[k] * (-s * hit.t).exp();

@@ -59,12 +59,12 @@ fn through(geometry: &Geometry, body: &Body, method: Method, i: u32, stats: &mut
     let corner = |k: usize| Vec3::from_slice(&geometry.vertices[corners[k] as usize][..3]).as_dvec3();
     let (s, v) = (number(6, i, 3).sqrt(), number(6, i, 4));
     let position = corner(0) * (1.0 - s) + corner(1) * (s * (1.0 - v)) + corner(2) * (s * v);
-    let normal = geometry.normal(triangle, position);
+    let normal = Vec3::from(geometry.normals[triangle as usize]);
     let direction = inwards(normal.as_dvec3(), true, 6, i);
     let ray = crate::bvh::Ray { excluded: triangle, ..crate::bvh::Ray::new(position.as_vec3(), direction) };
     let start =
         Entry { triangle, normal, first: geometry.bvh.closest(&ray), ..entry(&Ball, position, direction, [1.0; 3], 6, i) };
-    match walk(geometry, body, &start, method, stats) {
+    match walk(&Interior::new(geometry, 0), body, &start, method, stats) {
         End::Surface { throughput, .. } => throughput.map(f64::from),
         End::Absorbed | End::Lost { .. } => [0.0; 3],
     }

@@ -109,7 +109,7 @@ fn a_smooth_boundary_sends_light_back_inside() {
                 for vertex in 0..10_000 {
                     let mut start = entry(&HALF_SPACE, position, direction, throughput, 2, i);
                     start.vertex = vertex;
-                    let End::Surface { hit, position: from, direction: d, throughput: left } =
+                    let End::Surface { hit, position: from, direction: d, throughput: left, .. } =
                         walk(&HALF_SPACE, &body, &start, method, &mut stats)
                     else {
                         return [surface; 3];
