@@ -11,12 +11,13 @@ use crate::live_final::LiveFinal;
 use crate::live_preview::{LivePreview, REST};
 use crate::live_stability::LiveStability;
 use crate::loading::{Job, Loader};
+use crate::panels::chart::{self, ErrorCurve};
 use crate::panels::messages::Messages;
 use crate::panels::presets::PresetPanel;
 use crate::panels::properties::PropertyPanel;
 use crate::panels::status::{self, Status};
 use crate::panels::viewport::{self, Layout, Picture, Wish};
-use crate::panels::{chart, hold, stability};
+use crate::panels::{hold, stability};
 use crate::theme;
 use crate::widgets::value_edit::RowAction;
 use burnish_assets::{ENVIRONMENTS, Environment, SHAPES};
@@ -147,6 +148,11 @@ impl App {
     /// Whether something is being loaded.
     pub fn is_loading(&self) -> bool {
         self.loader.is_busy()
+    }
+
+    /// The final view, once it was asked for.
+    pub fn final_view(&self) -> Option<&LiveFinal> {
+        self.final_view.as_ref()
     }
 
     /// Switches the final view's worker off, where only panels are of interest.
@@ -316,35 +322,32 @@ impl App {
             picture.notes.clone_from(&self.left_out);
             picture.notes.extend(view.problem().map(str::to_owned));
             picture.label = view.label().map(str::to_owned);
-            curve = view.current().filter(|_| self.editor.view.is_chart_shown && viewport::has_chart_room(rect)).cloned();
+            let is_shown = self.editor.view.is_chart_shown;
+            curve = view.current().filter(|_| is_shown).and_then(|snapshot| {
+                let target = self.editor.view.stop.relmse;
+                let curve = ErrorCurve::new(&snapshot.history, target, snapshot.done.is_some())?;
+                Some((curve, chart::size(rect.size())?))
+            });
         }
-        if curve.is_some() {
-            picture.reserved = chart::SIZE.y + 22.0;
+        if let Some((_, size)) = &curve {
+            picture.reserved = size.y + 22.0;
         }
         viewport::paint(ui, rect, &picture, is_both);
-        if let Some(snapshot) = curve {
-            let history: Vec<(f64, f64)> = snapshot.history.iter().map(|point| (point.seconds, point.relmse)).collect();
-            viewport::paint_chart(ui, rect, &history, self.editor.view.stop.relmse);
+        if let Some((curve, size)) = &curve {
+            viewport::show_chart(ui, rect, *size, curve);
         }
     }
 
     fn status(&self) -> Status {
         let (width, height) = self.picture_size;
-        let goal = self.editor.view.stop.relmse;
+        let stop = &self.editor.view.stop;
         let adapter = self.preview.adapter().unwrap_or_default();
         let preview = format!("Preview {width} × {height}");
-        let (picture, details) = match (self.editor.view.mode.has_final(), self.final_view.as_ref().and_then(LiveFinal::current))
-        {
+        let snapshot = self.final_view.as_ref().and_then(LiveFinal::current);
+        let (picture, details) = match (self.editor.view.mode.has_final(), snapshot) {
             (true, Some(snapshot)) => {
-                let first = format!("First image after {:.0} ms.", 1000.0 * snapshot.first_image_seconds);
-                (
-                    format!("Final   {}", status::final_text(snapshot, goal)),
-                    format!(
-                        "Final view, {width} × {height}\n{first}\nThe error is estimated from the picture itself: the square root of the mean \
-                         squared relative error, with its likely spread.\nIt stops at the first of: {}.",
-                        stop_text(&self.editor.view.stop)
-                    ),
-                )
+                let details = status::final_details(snapshot, stop);
+                (format!("Final   {}", status::final_text(snapshot, stop)), format!("Final view, {width} × {height}\n{details}"))
             }
             (true, None) => ("Final   starting…".into(), String::new()),
             (false, _) => {
@@ -432,14 +435,6 @@ impl Sent {
             && self.camera == other.camera
             && self.environment_deg == other.environment_deg
     }
-}
-
-fn stop_text(stop: &StopRules) -> String {
-    let mut rules = Vec::new();
-    rules.extend(stop.relmse.map(|e| format!("{} % error", crate::widgets::number::format(100.0 * e.sqrt(), 2))));
-    rules.extend(stop.spp.map(|spp| format!("{spp} samples per pixel")));
-    rules.extend(stop.seconds.map(|s| format!("{s} seconds")));
-    rules.join(", ")
 }
 
 impl eframe::App for App {

@@ -1,9 +1,11 @@
 //! Finished pictures as files: PNG for showing, EXR for working on. A file appears whole or not at all.
 //!
 //! PNG holds 8 bits of display-referred sRGB; EXR holds linear Rec.709 radiance as 32-bit floats, with further layers
-//! as channels `layer.CHANNEL`. Neither holds anything that differs between two runs of the same job.
+//! as channels `layer.CHANNEL`. Neither holds anything that differs between two runs of the same job, unless its caller writes such things
+//! into the job.
 
 use crate::files::{FilesError, save_atomic};
+use burnish_renderer::path::ErrorEstimate;
 use burnish_renderer::tonemap::{Display, srgb_encode};
 use exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer as ExrLayer, LayerAttributes, LineOrder, Text,
@@ -141,6 +143,19 @@ impl fmt::Display for ExportError {
 }
 
 impl std::error::Error for ExportError {}
+
+/// What a job says about how far its picture is: samples per pixel, the rule that ended it (`None`: it was not ended), and its error.
+pub fn reached(spp: u32, stop_reason: Option<&str>, error: Option<&ErrorEstimate>) -> serde_json::Map<String, serde_json::Value> {
+    let values = [
+        ("spp", spp.into()),
+        ("stop_reason", stop_reason.into()),
+        ("relmse_estimate", error.map(|error| error.relmse).into()),
+        ("relmse_low", error.map(|error| error.low).into()),
+        ("relmse_high", error.map(|error| error.high).into()),
+        ("is_firefly_limited", error.map(|error| error.is_firefly_limited).into()),
+    ];
+    values.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
+}
 
 /// Writes a picture; the ending of the name tells the format.
 ///

@@ -17,6 +17,9 @@ use crate::live_denoise::{DenoisedPicture, LiveDenoise};
 /// machine would show nothing for as long as a slider moves.
 const PATIENCE: Duration = Duration::from_millis(150);
 
+/// Random stream of all pictures: what is dragged keeps the pattern of its noise.
+pub const SEED: u64 = 0;
+
 /// The worker and what it has shown so far.
 pub struct LiveFinal {
     worker: Worker,
@@ -38,9 +41,9 @@ pub struct LiveFinal {
 }
 
 impl LiveFinal {
-    /// Starts the threads. One core is left to the window.
+    /// Starts the threads: one per core. The window needs little, and gets it as what wakes up comes before what runs all the time.
     pub fn new(ctx: &Context) -> Self {
-        let threads = std::thread::available_parallelism().map_or(1, |n| n.get().saturating_sub(1).max(1));
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let repaint = ctx.clone();
         Self {
             worker: Worker::new(threads, Box::new(move || repaint.request_repaint())),
@@ -61,7 +64,7 @@ impl LiveFinal {
 
     /// Asks for a picture of this scene; the newest request wins.
     pub fn request(&mut self, scene: Arc<Scene>, (width, height): (usize, usize), view: &View) {
-        let settings = Settings { width, height, seed: 0, threads: self.threads, stop: view.stop, is_adaptive: true };
+        let settings = Settings { width, height, seed: SEED, threads: self.threads, stop: view.stop, is_adaptive: true };
         self.pending = Some((scene, settings));
     }
 
@@ -99,11 +102,10 @@ impl LiveFinal {
         }
         if let Some((image, label)) = self.developer.take() {
             self.label = label;
-            // A coarse picture keeps its blocks: they say honestly how far it is.
-            let options = TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
+            // Blocks of a coarse picture would flicker while a camera is dragged; the status line says how far it is.
             match &mut self.texture {
-                Some(texture) => texture.set(image, options),
-                None => self.texture = Some(ctx.load_texture("final view", image, options)),
+                Some(texture) => texture.set(image, TextureOptions::LINEAR),
+                None => self.texture = Some(ctx.load_texture("final view", image, TextureOptions::LINEAR)),
             }
         }
     }
@@ -144,6 +146,11 @@ impl LiveFinal {
     /// The developed picture.
     pub fn texture(&self) -> Option<&TextureHandle> {
         self.texture.as_ref()
+    }
+
+    /// Number of the newest request that was sent; `None` before the first and while the view is paused.
+    pub fn revision(&self) -> Option<u64> {
+        self.requested.map(|(revision, _)| revision)
     }
 
     /// The newest picture of the newest request, with its numbers.

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // A helper that fails fails its test.
 
+use exr::meta::attribute::AttributeValue;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -297,6 +298,15 @@ fn the_first_stop_rule_to_hit_wins() {
     for (words, reason) in cases {
         let json = place.render(&[words, &["--out", "a.exr", "--json"][..]].concat()).json();
         assert_eq!(json["stop_reason"], *reason, "{words:?}: {json}");
+        // The picture itself says the same.
+        let image = exr::prelude::read_first_flat_layer_from_file(place.path("a.exr")).unwrap();
+        let Some(AttributeValue::Text(job)) = image.layer_data.attributes.other.get(&"burnish".into()) else {
+            panic!("the job is there")
+        };
+        let job: Value = serde_json::from_str(&job.to_string()).unwrap();
+        for key in ["stop_reason", "spp", "relmse_estimate", "relmse_low", "relmse_high", "is_firefly_limited"] {
+            assert_eq!(job.get(key), json.get(key), "{key}: {job} {json}");
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Rendering in the background: the newest request wins, the newest picture is published.
 //!
-//! A request shows a coarse picture first (some milliseconds), then finer ones, then passes at full resolution until a rule ends
-//! them; the finished picture stays until the next request. Trees and tables are kept from request to request.
+//! A request shows a coarse picture first, as fine as some milliseconds allow, then finer ones, then passes at full resolution until
+//! a rule ends them; the finished picture stays until the next request. Within a request no picture is coarser than the one before. Trees and
+//! tables are kept from request to request.
 
 use crate::denoise;
 use crate::path::render::Run;
@@ -12,8 +13,10 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Pixels of the first coarse picture at most: well under 100 ms on one thread, also of a busy machine.
+/// Pixels of the first coarse picture at most while the speed is not known: well under 100 ms on one thread, also of a busy machine.
 const COARSE_PIXELS: usize = 4_096;
+/// Seconds that the first picture may take once it is: every picture of a camera being dragged is a first one, so they are all equally fine.
+const FIRST_SECONDS: f64 = 0.015;
 
 /// A picture on its way to being finished.
 #[derive(Clone, Debug)]
@@ -80,7 +83,7 @@ struct State {
 }
 
 impl Worker {
-    /// A worker that renders with `threads` threads (the caller leaves one core to the window) and calls `on_image` from its own
+    /// A worker that renders with `threads` threads and calls `on_image` from its own
     /// thread whenever there is a newer picture.
     pub fn new(threads: usize, on_image: Box<dyn Fn() + Send + Sync>) -> Self {
         let shared = Arc::new(Shared {
@@ -157,6 +160,7 @@ impl Shared {
 /// The thread: waits for requests and works on the newest one.
 fn run(shared: &Shared) {
     let mut prepared: Option<Arc<Prepared>> = None;
+    let mut coarse_rate = 0.0;
     loop {
         let mut state = shared.lock();
         let request = loop {
@@ -172,9 +176,10 @@ fn run(shared: &Shared) {
         let (revision, scene, settings) = request;
         let start = Instant::now();
         let made = Arc::new(Prepared::new(&scene, prepared.as_deref()));
-        let job = Job { shared, prepared: &made, revision, settings, start };
+        let mut job = Job { shared, prepared: &made, revision, settings, start, coarse_rate };
         // `None` means that a newer request waits.
         let _ = job.run();
+        coarse_rate = job.coarse_rate;
         prepared = Some(made);
     }
 }
@@ -186,25 +191,24 @@ struct Job<'a> {
     revision: u64,
     settings: Settings,
     start: Instant,
+    /// Pixels per second of the latest coarse picture; 0 before the first.
+    coarse_rate: f64,
 }
 
 impl Job<'_> {
     /// All pictures of a request. `None` if a newer one has come.
-    fn run(&self) -> Option<()> {
+    fn run(&mut self) -> Option<()> {
         let (width, height) = (self.settings.width.max(1), self.settings.height.max(1));
-        let mut scale = 1;
-        while (width / scale) * (height / scale) > COARSE_PIXELS {
-            scale *= 2;
-        }
+        let mut scale = first_scale(width, height, self.coarse_rate);
         let mut first_image_seconds = None;
         while scale > 1 {
             let mut film = Film::new(width.div_ceil(scale), height.div_ceil(scale));
             let begin = Instant::now();
             let stats = self.pass(&mut film, 1)?;
             let first = *first_image_seconds.get_or_insert_with(|| self.start.elapsed().as_secs_f64());
-            let rate = stats.samples as f64 / begin.elapsed().as_secs_f64().max(1e-9);
-            let snapshot =
-                Snapshot { scale: scale as u32, first_image_seconds: first, ..self.snapshot(&film, &stats, 0.0, rate) };
+            self.coarse_rate = stats.samples as f64 / begin.elapsed().as_secs_f64().max(1e-9);
+            let snapshot = self.snapshot(&film, &stats, 0.0, self.coarse_rate);
+            let snapshot = Snapshot { scale: scale as u32, first_image_seconds: first, ..snapshot };
             self.publish(snapshot)?;
             scale /= 2;
         }
@@ -268,6 +272,16 @@ impl Job<'_> {
             samples: None,
         }
     }
+}
+
+/// By which power of two the first picture is coarser than `width` x `height`, at `rate` pixels per second (0: not known).
+fn first_scale(width: usize, height: usize, rate: f64) -> usize {
+    let pixels = COARSE_PIXELS.max((FIRST_SECONDS * rate) as usize);
+    let mut scale = 1;
+    while (width / scale) * (height / scale) > pixels {
+        scale *= 2;
+    }
+    scale
 }
 
 #[cfg(test)]
@@ -342,5 +356,71 @@ mod tests {
         let second = worker.request(scene(2.0), settings(Some(4)));
         assert!(second > first);
         wait(&worker, |s| s.revision == second && s.done.is_some());
+    }
+
+    #[test]
+    fn the_first_picture_is_as_fine_as_the_speed_allows() {
+        assert_eq!([0.0, 1e4, 2e6, 1e9].map(|rate| first_scale(512, 512, rate)), [8, 8, 4, 1]);
+        assert_eq!(first_scale(1000, 10, 0.0), 2);
+        assert_eq!(first_scale(64, 64, 0.0), 1);
+    }
+
+    #[test]
+    fn pictures_of_a_request_only_become_finer() {
+        let (sender, shown) = std::sync::mpsc::channel();
+        // Nobody listens any more at the end.
+        let worker = Worker::new(2, Box::new(move || drop(sender.send(()))));
+        let mut last = (0, 0, 0);
+        for radiance in [1.0, 2.0] {
+            let revision = worker.request(scene(radiance), settings(Some(16)));
+            loop {
+                shown.recv_timeout(Duration::from_secs(60)).expect("pictures come until it is done");
+                let Some(snapshot) = worker.snapshot().filter(|s| s.revision == revision) else { continue };
+                let now = (revision, i64::from(snapshot.spp) - 1_000_000 * i64::from(snapshot.scale), snapshot.spp);
+                assert!(now.0 > last.0 || now.1 >= last.1, "{now:?} after {last:?}");
+                last = now;
+                if snapshot.done.is_some() {
+                    break;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_batch_begins_after_a_newer_request() {
+        // 469 batches were due. `cancel` is asked before each; the fifth asking sees a newer request.
+        let prepared = Prepared::new(&scene(1.0), None);
+        let mut film = Film::new(200, 150);
+        for threads in [1, 2, 4] {
+            let asked = AtomicU64::new(0);
+            let cancel = || asked.fetch_add(1, Ordering::SeqCst) >= 4;
+            assert!(render_pass(&prepared, &mut film, 64, 1, threads, &cancel).is_none());
+            // Each thread asks once more at most, in vain.
+            let asked = asked.into_inner();
+            assert!((5..=4 + threads as u64).contains(&asked), "{threads} threads asked {asked} times");
+            assert_eq!(film.total_samples(), 0);
+        }
+    }
+
+    #[test]
+    fn nothing_is_left_of_old_requests() {
+        let images = Arc::new(AtomicU64::new(0));
+        let count = images.clone();
+        let worker = Worker::new(2, Box::new(move || _ = count.fetch_add(1, Ordering::SeqCst)));
+        let scenes: Vec<Arc<Scene>> = (0..20).map(|i| scene(i as f32)).collect();
+        for scene in &scenes {
+            worker.request(scene.clone(), settings(None));
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let last = worker.request(scene(1.0), settings(Some(1)));
+        wait(&worker, |s| s.revision == last && s.done.is_some());
+        assert!(scenes.iter().all(|scene| Arc::strong_count(scene) == 1), "no request is kept");
+        std::thread::sleep(Duration::from_millis(50));
+        let shown = images.load(Ordering::SeqCst);
+        std::thread::sleep(Duration::from_millis(50));
+        assert_eq!(images.load(Ordering::SeqCst), shown, "nobody goes on");
+        let shared = Arc::downgrade(&worker.shared);
+        drop(worker);
+        assert!(shared.upgrade().is_none(), "the thread has ended");
     }
 }

@@ -8,13 +8,15 @@ use crate::export::{self, Picture};
 use crate::files::{self, OpenedMaterial};
 use crate::history::History;
 use crate::live_denoise::DenoisedPicture;
-use crate::live_final::LiveFinal;
+use crate::live_final::{LiveFinal, SEED};
 use crate::loading::{Done, Job, Loaded};
 use crate::panels::viewport;
 use burnish_assets::{is_environment_path, is_image_path, is_model_path};
 use burnish_material::{Material, MaterialFile, Property, Slot, TextureRef};
 use burnish_presets::Preset;
+use burnish_renderer::path::StopReason;
 use burnish_renderer::stability::Fix;
+use burnish_renderer::worker::Snapshot;
 use egui::{Context, Modal, ViewportCommand};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -239,10 +241,9 @@ impl App {
     fn write_picture(&mut self, path: PathBuf, ctx: &Context) {
         let view = self.final_view.as_ref().filter(|_| self.editor.view.mode.has_final());
         let denoised = view.and_then(LiveFinal::denoised);
-        let picture = if let Some(denoised) = denoised {
-            denoised_picture(denoised)
-        } else if let Some(snapshot) = view.and_then(LiveFinal::newest) {
-            Picture { width: snapshot.width, height: snapshot.height, pixels: snapshot.pixels.clone(), ..Picture::default() }
+        let shown = denoised.map(|denoised| &denoised.raw).or_else(|| view.and_then(LiveFinal::newest));
+        let picture = if let Some(snapshot) = shown {
+            final_picture(snapshot, denoised)
         } else {
             match self.preview.read_linear() {
                 Ok((width, height, pixels)) => {
@@ -437,21 +438,26 @@ impl App {
     }
 }
 
-/// A denoised picture for a file: the raw one goes with it, and the job says who denoised.
-fn denoised_picture(denoised: &DenoisedPicture) -> Picture {
-    let picture = &denoised.picture;
-    let job = serde_json::json!({
-        "program": concat!("Burnish ", env!("CARGO_PKG_VERSION")),
-        "view": "final",
-        "spp": picture.spp,
-        "denoiser": denoised.denoiser,
-    });
+/// A picture of the final view for a file. The job says how far it is and what ended it; of a denoised picture also who denoised, and the
+/// raw one goes with it.
+fn final_picture(raw: &Snapshot, denoised: Option<&DenoisedPicture>) -> Picture {
+    let mut job = export::reached(raw.spp, raw.done.map(StopReason::word), raw.error.as_ref());
+    let mut say = |key: &str, value: serde_json::Value| job.insert(key.to_owned(), value);
+    say("program", concat!("Burnish ", env!("CARGO_PKG_VERSION")).into());
+    say("view", "final".into());
+    say("seed", SEED.into());
+    say("seconds", raw.seconds.into());
+    say("denoiser", denoised.map(|denoised| denoised.denoiser.as_str()).into());
+    let error = denoised.map(|denoised| &denoised.error);
+    say("relmse_estimate_denoised", error.map(|error| error.relmse).into());
+    say("relmse_low_denoised", error.map(|error| error.low).into());
+    say("relmse_high_denoised", error.map(|error| error.high).into());
     Picture {
-        width: picture.width,
-        height: picture.height,
-        pixels: picture.pixels.clone(),
-        raw: Some(denoised.raw.pixels.clone()),
-        job: Some(job),
+        width: raw.width,
+        height: raw.height,
+        pixels: denoised.map_or(&raw.pixels, |denoised| &denoised.picture.pixels).clone(),
+        raw: denoised.map(|_| raw.pixels.clone()),
+        job: Some(job.into()),
         ..Picture::default()
     }
 }

@@ -127,6 +127,12 @@ struct Rendered {
     lobes: LobeSet,
 }
 
+impl Rendered {
+    fn reached(&self) -> serde_json::Map<String, Value> {
+        export::reached(self.spp, Some(self.stop_reason), self.error.as_ref())
+    }
+}
+
 /// Renders and writes one picture.
 pub fn run(arguments: &RenderArguments) -> Result<Outcome, CliError> {
     render(arguments, None)
@@ -428,16 +434,23 @@ fn lobes(scene: &Scene, of: impl Fn(&Material) -> LobeSet) -> LobeSet {
 /// What the picture was made from; no times, so that equal jobs give equal files.
 fn job(arguments: &RenderArguments, loaded: &LoadedScene, rendered: &Rendered) -> Value {
     let material = loaded.material().map(|material| MaterialFile::new(material).text().to_owned());
-    json!({
+    let mut job = json!({
         "program": concat!("Burnish ", env!("CARGO_PKG_VERSION")),
         "view": if arguments.view == View::Final { "final" } else { "preview" },
         "seed": arguments.scene.seed,
-        "spp": rendered.spp,
         "adaptive": arguments.view == View::Final && !arguments.no_adaptive,
         "max_bounces": loaded.scene.max_bounces,
         "denoiser": rendered.denoised.as_ref().map(|denoised| &denoised.denoiser),
         "material": material,
-    })
+    });
+    extend(&mut job, rendered.reached());
+    job
+}
+
+fn extend(object: &mut Value, more: serde_json::Map<String, Value>) {
+    if let Some(object) = object.as_object_mut() {
+        object.extend(more);
+    }
 }
 
 fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], messages: &Messages) -> Result<(), CliError> {
@@ -458,22 +471,16 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
             rendered.stop_reason
         ));
     }
-    let object = json!({
+    let mut object = json!({
         "out": arguments.out,
         "files": files,
         "width": rendered.picture.width,
         "height": rendered.picture.height,
         "view": if arguments.view == View::Final { "final" } else { "preview" },
-        "spp": rendered.spp,
         "seconds": rendered.seconds,
         "load_seconds": rendered.load_seconds,
         "first_image_seconds": rendered.first_image_seconds,
-        "stop_reason": rendered.stop_reason,
-        "relmse_estimate": rendered.error.as_ref().map(|error| error.relmse),
-        "relmse_low": rendered.error.as_ref().map(|error| error.low),
-        "relmse_high": rendered.error.as_ref().map(|error| error.high),
         "adaptive": arguments.view == View::Final && !arguments.no_adaptive,
-        "is_firefly_limited": rendered.error.as_ref().map(|error| error.is_firefly_limited),
         "denoiser": rendered.denoised.as_ref().map(|denoised| &denoised.denoiser),
         "denoise_seconds": rendered.denoised.as_ref().map(|denoised| denoised.seconds),
         "relmse_estimate_denoised": rendered.denoised.as_ref().map(|denoised| denoised.error.relmse),
@@ -488,6 +495,7 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
         "nonfinite_samples": rendered.nonfinite,
         "warnings": messages.warnings(),
     });
+    extend(&mut object, rendered.reached());
     print_out(&object.to_string())
 }
 

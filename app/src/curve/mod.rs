@@ -4,11 +4,11 @@
 //! adds to an error is known where the reference is ours, from the variance of its pixels, and taken off.
 
 mod chart;
-mod fit;
 mod report;
+mod targets;
 
-pub use fit::{Fit, TARGETS, Target, fit, targets};
 pub use report::{csv, html, json};
+pub use targets::{TARGETS, Target, targets};
 
 use burnish_renderer::metrics::{flip, relative_error, relative_noise};
 use burnish_renderer::path::{

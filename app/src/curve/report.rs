@@ -1,23 +1,40 @@
 //! Curves as JSON, as CSV and as a page that needs nothing beside itself.
 
 use super::chart::{escape, svg};
-use super::{Curve, Row, Target, fit, targets};
+use super::{Curve, Row, Target, targets};
+use burnish_renderer::path::{Convergence, ErrorPoint};
 use serde_json::{Value, json};
 
 const STYLE: &str = include_str!("report.css");
 
 impl Curve {
-    fn points(&self, error: fn(&Row) -> f64) -> Vec<(f64, f64)> {
-        self.rows.iter().map(|row| (row.seconds, error(row))).collect()
+    /// The line through an error of the rows that have an estimate, each as uncertain as its estimate says.
+    fn line(&self, error: fn(&Row) -> f64) -> Option<Convergence> {
+        let point = |row: &Row| {
+            let (relmse, estimate) = (error(row), row.estimate?);
+            let scale = relmse / estimate.relmse;
+            Some(ErrorPoint {
+                seconds: row.seconds,
+                spp: row.spp,
+                relmse,
+                low: scale * estimate.low,
+                high: scale * estimate.high,
+            })
+        };
+        Convergence::fit(&self.rows.iter().filter_map(point).collect::<Vec<_>>())
     }
 
     fn slope(&self, error: fn(&Row) -> f64) -> Option<f64> {
-        fit(&self.points(error)).map(|fit| fit.slope)
+        self.line(error).map(|line| line.slope)
     }
 
     /// When the error reaches each target, plain and trimmed.
     pub fn targets(&self) -> [[Target; 2]; 2] {
-        [targets(&self.points(|row| row.relmse)), targets(&self.points(|row| row.relmse_trimmed))]
+        let errors: [fn(&Row) -> f64; 2] = [|row| row.relmse, |row| row.relmse_trimmed];
+        errors.map(|error| {
+            let points: Vec<(f64, f64)> = self.rows.iter().map(|row| (row.seconds, error(row))).collect();
+            targets(&points, self.line(error).as_ref())
+        })
     }
 }
 
@@ -132,7 +149,7 @@ fn section(curve: &Curve, i: usize) -> String {
     };
     let slope = curve
         .slope(|row| row.relmse)
-        .map_or_else(String::new, |slope| format!("Slope: error falls as time<sup>−{slope:.2}</sup>. "));
+        .map_or_else(String::new, |slope| format!("Slope: relMSE falls as time<sup>−{slope:.2}</sup>. "));
     let [plain, trimmed] = curve.targets();
     let time = |target: &Target| match target.seconds {
         Some(seconds) => format!("{seconds:.3} s{}", if target.is_extrapolated { " (predicted)" } else { "" }),

@@ -1,87 +1,235 @@
-//! Estimated error over time on two logarithmic axes, drawn by hand: one line, few ticks.
+//! Estimated error over time on two logarithmic axes: the estimates with their interval, the line through them, and when that
+//! reaches the target.
 
+use super::axis::LogAxis;
 use crate::theme;
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+use crate::widgets::number;
+use burnish_renderer::path::{Convergence, ErrorPoint, Prediction};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 
-/// Size of the chart.
-pub const SIZE: egui::Vec2 = vec2(210.0, 118.0);
+/// Height of a line of text.
+const LINE: f32 = 14.0;
 
-/// Draws `history`, pairs of seconds and relMSE, into `rect`. The error shown is its square root, in percent.
-pub fn paint(painter: &Painter, rect: Rect, history: &[(f64, f64)], goal_relmse: Option<f64>) {
+/// The estimates of a picture, and what they tell about its future.
+#[derive(Clone, Debug)]
+pub struct ErrorCurve {
+    points: Vec<ErrorPoint>,
+    line: Convergence,
+    target: Option<f64>,
+    prediction: Option<Prediction>,
+}
+
+impl ErrorCurve {
+    /// `None` where there are too few estimates for a line: fewer than three. `target` is a relMSE; when it is reached is
+    /// predicted unless rendering has ended.
+    pub fn new(history: &[ErrorPoint], target: Option<f64>, is_done: bool) -> Option<Self> {
+        let line = Convergence::fit(history)?;
+        let prediction = target.filter(|_| !is_done).and_then(|target| line.seconds_to(target));
+        let points = history.iter().filter(|p| p.seconds > 0.0 && p.relmse > 0.0).copied().collect();
+        Some(Self { points, line, target, prediction })
+    }
+
+    /// How fast the error falls.
+    fn slope(&self) -> String {
+        format!("error² falls as t^−{:.1}", self.line.slope)
+    }
+
+    /// When the target is reached.
+    fn forecast(&self) -> Option<String> {
+        let Prediction { seconds, low, high } = self.prediction?;
+        let (target, [seconds, low, high]) = (percent(self.target?), [seconds, low, high].map(duration));
+        Some(format!("{target} % after about {seconds} ({low} to {high})"))
+    }
+
+    /// All of it in words, for readers who do not see it.
+    pub fn sentence(&self) -> String {
+        let mut text = "Error against time".to_owned();
+        if let Some(last) = self.points.last() {
+            text += &format!(
+                ": estimated error {} % ({} to {} %) after {} and {} samples per pixel",
+                percent(last.relmse),
+                percent(last.low),
+                percent(last.high),
+                duration(last.seconds),
+                last.spp
+            );
+        }
+        text += &format!("; {}", self.slope());
+        match (self.forecast(), self.target) {
+            (Some(forecast), _) => text += &format!("; predicted: {forecast}"),
+            (None, Some(target)) => text += &format!("; target {} %", percent(target)),
+            (None, None) => {}
+        }
+        text + "."
+    }
+}
+
+/// A relMSE as the error that is shown: its square root, in percent.
+pub fn percent(relmse: f64) -> String {
+    number::format(100.0 * relmse.max(0.0).sqrt(), 2)
+}
+
+/// Seconds as people say them.
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 120.0 => format!("{} s", number::format(s, 2)),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s if s < 172_800.0 => format!("{:.0} h", s / 3600.0),
+        s => format!("{:.0} days", s / 86_400.0),
+    }
+}
+
+/// Size of the chart in a picture of this size; `None` where there is no room for it.
+pub fn size(picture: Vec2) -> Option<Vec2> {
+    let width = (0.4 * picture.x).clamp(225.0, 360.0);
+    let size = vec2(width, 0.66 * width);
+    (picture.x >= size.x + 20.0 && picture.y >= size.y + 80.0).then_some(size)
+}
+
+/// Shows the chart in a rectangle.
+pub fn show(ui: &Ui, rect: Rect, curve: &ErrorCurve) {
+    let response = ui.interact(rect, ui.scope_id().with("error chart"), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, curve.sentence()));
+    paint(&ui.painter_at(rect), rect, curve);
+}
+
+fn paint(painter: &Painter, rect: Rect, curve: &ErrorCurve) {
     painter.rect_filled(rect, 4, Color32::from_black_alpha(200));
-    let font = FontId::proportional(10.5);
-    painter.text(
-        rect.left_top() + vec2(8.0, 5.0),
-        Align2::LEFT_TOP,
-        "estimated error, % over seconds",
-        font.clone(),
-        theme::WEAK,
-    );
-    let points: Vec<(f64, f64)> = history
-        .iter()
-        .filter(|(s, e)| *s > 0.0 && *e > 0.0 && s.is_finite() && e.is_finite())
-        .map(|(s, e)| (s.log10(), (100.0 * e.sqrt()).log10()))
-        .collect();
-    let plot = Rect::from_min_max(rect.min + vec2(34.0, 22.0), rect.max - vec2(10.0, 18.0));
-    if points.len() < 2 {
-        painter.text(plot.center(), Align2::CENTER_CENTER, "waiting for a second estimate", font, theme::WEAK);
+    let font = FontId::proportional(11.0);
+    let mut top = rect.top() + 5.0;
+    let mut say = |text: String, color| {
+        painter.text(pos2(rect.left() + 8.0, top), Align2::LEFT_TOP, text, font.clone(), color);
+        top += LINE;
+    };
+    say("estimated error, % over seconds".into(), theme::WEAK);
+    say(curve.slope(), theme::TEXT);
+    if let Some(forecast) = curve.forecast() {
+        say(forecast, theme::TEXT);
+    }
+    let plot = Rect::from_min_max(pos2(rect.left() + 36.0, top + 8.0), rect.max - vec2(14.0, 19.0));
+    if plot.width() < 20.0 || plot.height() < 20.0 {
         return;
     }
-    let goal = goal_relmse.filter(|e| *e > 0.0).map(|e| (100.0 * e.sqrt()).log10());
-    let decades = |low: f64, high: f64| (low.floor(), if high.ceil() > low.floor() { high.ceil() } else { low.floor() + 1.0 });
-    let min = |pick: fn(&(f64, f64)) -> f64| points.iter().map(pick).fold(f64::INFINITY, f64::min);
-    let max = |pick: fn(&(f64, f64)) -> f64| points.iter().map(pick).fold(f64::NEG_INFINITY, f64::max);
-    let (x0, x1) = decades(min(|p| p.0), max(|p| p.0));
-    let (y0, y1) = decades(min(|p| p.1).min(goal.unwrap_or(f64::INFINITY)), max(|p| p.1));
-    let place = |x: f64, y: f64| -> Pos2 {
-        let u = ((x - x0) / (x1 - x0)) as f32;
-        let v = ((y - y0) / (y1 - y0)) as f32;
-        pos2(plot.left() + u * plot.width(), plot.bottom() - v * plot.height())
+    let axes = Axes::new(curve, plot);
+    axes.paint(painter, &font);
+
+    // Piece by piece, as only convex shapes can be filled.
+    for pair in curve.points.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        let corners = [(a.seconds, a.low), (a.seconds, a.high), (b.seconds, b.high), (b.seconds, b.low)];
+        let corners = corners.map(|(seconds, relmse)| axes.place(seconds, relmse)).to_vec();
+        painter.add(Shape::convex_polygon(corners, theme::ACCENT.gamma_multiply(0.28), Stroke::NONE));
+    }
+    let dashed = |from: Pos2, to: Pos2, color| {
+        painter.extend(Shape::dashed_line(&[from, to], Stroke::new(1.0, color), 4.0, 3.0));
     };
-    let grid = Stroke::new(1.0, Color32::from_gray(62));
-    // Decades only: ticks between them would not be readable at this size.
-    for decade in x0 as i32..=x1 as i32 {
-        let x = place(f64::from(decade), y0).x;
-        painter.vline(x, plot.y_range(), grid);
-        painter.text(pos2(x, plot.bottom() + 3.0), Align2::CENTER_TOP, power(decade), font.clone(), theme::WEAK);
+    if let Some(target) = curve.target {
+        let y = axes.place(1.0, target).y;
+        dashed(pos2(plot.left(), y), pos2(plot.right(), y), theme::GOOD);
+        let text = format!("{} %", percent(target));
+        painter.text(pos2(plot.left() + 3.0, y - 1.0), Align2::LEFT_BOTTOM, text, font, theme::GOOD);
     }
-    for decade in y0 as i32..=y1 as i32 {
-        let y = place(x0, f64::from(decade)).y;
-        painter.hline(plot.x_range(), y, grid);
-        painter.text(pos2(plot.left() - 4.0, y), Align2::RIGHT_CENTER, power(decade), font.clone(), theme::WEAK);
+    let places: Vec<Pos2> = curve.points.iter().map(|p| axes.place(p.seconds, p.relmse)).collect();
+    if let (Some(prediction), Some(target), Some(last)) = (curve.prediction, curve.target, curve.points.last()) {
+        let end = axes.place(prediction.seconds, target);
+        dashed(axes.place(last.seconds, curve.line.relmse_at(last.seconds)), end, theme::TEXT);
+        let [low, high] = [prediction.low, prediction.high].map(|seconds| axes.place(seconds, target).x);
+        painter.hline(low..=high, end.y, Stroke::new(3.0, theme::GOOD));
+        painter.circle(end, 3.5, Color32::BLACK, Stroke::new(1.5, theme::GOOD));
     }
-    if let Some(goal) = goal {
-        let y = place(x0, goal).y;
-        painter.extend(egui::Shape::dashed_line(
-            &[pos2(plot.left(), y), pos2(plot.right(), y)],
-            Stroke::new(1.0, theme::GOOD),
-            4.0,
-            3.0,
-        ));
+    if let Some(last) = places.last() {
+        painter.circle_filled(*last, 3.0, theme::ACCENT);
     }
-    let line: Vec<Pos2> = points.iter().map(|(x, y)| place(*x, *y)).collect();
-    if let Some(last) = line.last() {
-        painter.circle_filled(*last, 2.5, theme::ACCENT);
-    }
-    painter.line(line, Stroke::new(1.5, theme::ACCENT));
+    painter.line(places, Stroke::new(1.5, theme::ACCENT));
 }
 
-fn power(decade: i32) -> String {
-    if (-3..=4).contains(&decade) { format!("{}", 10f64.powi(decade)) } else { format!("1e{decade}") }
+/// Seconds to the right, error upwards.
+struct Axes {
+    seconds: LogAxis,
+    percent: LogAxis,
+    plot: Rect,
 }
 
-/// Seconds until the error reaches `goal` if it goes on falling as it did, with one over the square root of time.
-pub fn seconds_to(goal_relmse: f64, seconds: f64, relmse: f64) -> Option<f64> {
-    let rest = seconds * (relmse / goal_relmse - 1.0);
-    (rest.is_finite() && rest > 0.0).then_some(rest)
+impl Axes {
+    fn new(curve: &ErrorCurve, plot: Rect) -> Self {
+        let errors = curve.points.iter().flat_map(|p| [p.relmse, p.low, p.high]).chain(curve.target);
+        let seconds = curve.points.iter().map(|p| p.seconds).chain(curve.prediction.map(|p| p.seconds));
+        Self { seconds: LogAxis::covering(seconds), percent: LogAxis::covering(errors.map(|e| 100.0 * e.sqrt())), plot }
+    }
+
+    fn place(&self, seconds: f64, relmse: f64) -> Pos2 {
+        let (x, y) = (self.seconds.share(seconds), self.percent.share(100.0 * relmse.sqrt()));
+        pos2(self.plot.left() + x * self.plot.width(), self.plot.bottom() - y * self.plot.height())
+    }
+
+    /// Lines and numbers; a number that would touch the last one is left out.
+    fn paint(&self, painter: &Painter, font: &FontId) {
+        let (plot, grid) = (self.plot, Stroke::new(1.0, Color32::from_gray(62)));
+        let mut end = f32::NEG_INFINITY;
+        for tick in self.seconds.ticks() {
+            let x = plot.left() + self.seconds.share(tick) * plot.width();
+            painter.vline(x, plot.y_range(), grid);
+            let galley = painter.layout_no_wrap(number::format(tick, 1), font.clone(), theme::WEAK);
+            let left = x - 0.5 * galley.size().x;
+            if left > end + 5.0 {
+                end = left + galley.size().x;
+                painter.galley(pos2(left, plot.bottom() + 3.0), galley, theme::WEAK);
+            }
+        }
+        let mut end = f32::INFINITY;
+        for tick in self.percent.ticks() {
+            let y = plot.bottom() - self.percent.share(tick) * plot.height();
+            painter.hline(plot.x_range(), y, grid);
+            if y < end - LINE {
+                end = y;
+                let place = pos2(plot.left() - 5.0, y);
+                painter.text(place, Align2::RIGHT_CENTER, number::format(tick, 1), font.clone(), theme::WEAK);
+            }
+        }
+    }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use super::*;
+
+    /// Estimates of `0.04 / seconds` with an interval of a fifth.
+    pub fn history(count: i32) -> Vec<ErrorPoint> {
+        let point = |i: i32| {
+            let seconds = 0.5 * 2_f64.powi(i);
+            let relmse = 0.04 / seconds;
+            ErrorPoint { seconds, spp: 4 << i, relmse, low: relmse / 1.2, high: relmse * 1.2 }
+        };
+        (0..count).map(point).collect()
+    }
+
     #[test]
-    fn time_to_a_goal() {
-        assert_eq!(super::seconds_to(1e-4, 10.0, 4e-4), Some(30.0));
-        assert_eq!(super::seconds_to(1e-4, 10.0, 1e-5), None);
-        assert_eq!(super::seconds_to(0.0, 10.0, 1e-5), None);
+    fn the_curve_says_its_numbers() {
+        assert!(ErrorCurve::new(&history(2), Some(1e-4), false).is_none());
+        let curve = ErrorCurve::new(&history(5), Some(1e-4), false).expect("five estimates");
+        let text = curve.sentence();
+        let begin = "Error against time: estimated error 7.1 % (6.5 to 7.7 %) after 8 s and 64 samples per pixel; \
+                     error² falls as t^−1.0; predicted: 1 % after about 7 min (";
+        assert!(text.starts_with(begin), "{text}");
+        // Reached, or not asked for: nothing is predicted.
+        let reached = ErrorCurve::new(&history(5), Some(0.01), false).expect("five estimates").sentence();
+        assert!(reached.ends_with("t^−1.0; target 10 %."), "{reached}");
+        let done = ErrorCurve::new(&history(5), Some(1e-4), true).expect("five estimates").sentence();
+        assert!(done.ends_with("t^−1.0; target 1 %."), "{done}");
+        let free = ErrorCurve::new(&history(5), None, false).expect("five estimates").sentence();
+        assert!(free.ends_with("t^−1.0."), "{free}");
+    }
+
+    #[test]
+    fn durations_in_fitting_units() {
+        assert_eq!([0.123, 9.0, 61.4, 400.0, 7300.0, 2e5].map(duration), ["0.12 s", "9 s", "61 s", "7 min", "2 h", "2 days"]);
+    }
+
+    #[test]
+    fn the_chart_follows_the_size_of_the_picture() {
+        assert_eq!(size(vec2(200.0, 900.0)), None);
+        assert_eq!(size(vec2(900.0, 150.0)), None);
+        let [small, large] = [vec2(330.0, 500.0), vec2(900.0, 600.0)].map(|picture| size(picture).expect("there is room").x);
+        assert!(small < large && large <= 360.0);
     }
 }

@@ -1,5 +1,6 @@
 //! The parts of the window, one file each. A panel edits the document or asks for something; it carries nothing out.
 
+pub mod axis;
 pub mod chart;
 pub mod messages;
 pub mod presets;

@@ -1,10 +1,10 @@
 //! The status line and the strip of lobes: what was done last, what is being loaded, how far the picture is.
 
-use crate::panels::chart;
+use crate::panels::chart::{duration, percent};
 use crate::theme;
 use crate::widgets::number;
 use burnish_material::{LOBES, LobeSet};
-use burnish_renderer::path::StopReason;
+use burnish_renderer::path::{Convergence, SPP_MAX, StopReason, StopRules};
 use burnish_renderer::worker::Snapshot;
 use egui::{Color32, FontId, Label, Layout, Rect, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo, vec2};
 
@@ -42,38 +42,84 @@ pub fn show(ui: &mut Ui, status: &Status) {
     });
 }
 
-/// How far a final picture is: samples, error, time, speed and why it stopped.
-pub fn final_text(snapshot: &Snapshot, goal_relmse: Option<f64>) -> String {
-    let mut parts = vec![format!("{} spp", snapshot.spp)];
+/// How far a final picture is: what ended it or will, samples, error, time and speed.
+pub fn final_text(snapshot: &Snapshot, stop: &StopRules) -> String {
+    let mut parts = vec![match snapshot.done {
+        Some(reason) => ended(reason, stop),
+        None => forecast(snapshot, stop).unwrap_or_else(|| "rendering".into()),
+    }];
+    parts.push(format!("{} spp", snapshot.spp));
     if snapshot.scale > 1 {
         parts.push(format!("1/{} resolution", snapshot.scale));
     }
     if let Some(error) = &snapshot.error {
-        let spread = 50.0 * (error.high.max(0.0).sqrt() - error.low.max(0.0).sqrt());
-        let marker = if error.is_firefly_limited { " (few bright pixels dominate)" } else { "" };
-        parts.push(format!("error {} ± {} %{marker}", number::format(100.0 * error.relmse.sqrt(), 2), number::format(spread, 1)));
+        let limited = if error.is_firefly_limited { ", uncertain: few bright pixels dominate" } else { "" };
+        let [relmse, low, high] = [error.relmse, error.low, error.high].map(percent);
+        parts.push(format!("error {relmse} % ({low} to {high}{limited})"));
     }
-    parts.push(format!("{:.1} s", snapshot.seconds));
-    parts.push(format!("{} M samples/s", number::format(snapshot.samples_per_second / 1e6, 3)));
+    parts.push(duration(snapshot.seconds));
+    parts.push(format!("{} M samples/s", number::format(snapshot.samples_per_second / 1e6, 2)));
     if snapshot.nonfinite > 0 {
         parts.push(format!("⚠ {} samples not finite", snapshot.nonfinite));
     }
-    parts.push(match snapshot.done {
-        Some(StopReason::Spp) => "done: samples reached".into(),
-        Some(StopReason::Time) => "done: time is up".into(),
-        Some(StopReason::Error) => "done: error reached".into(),
-        Some(StopReason::Cancelled) => "stopped".into(),
-        None => match (goal_relmse, &snapshot.error) {
-            (Some(goal), Some(error)) => {
-                chart::seconds_to(goal, snapshot.seconds, error.relmse).filter(|rest| *rest < 36_000.0).map_or_else(
-                    || "rendering".into(),
-                    |rest| format!("{} % in about {rest:.0} s", number::format(100.0 * goal.sqrt(), 2)),
-                )
-            }
-            _ => "rendering".into(),
-        },
-    });
     parts.join("   ")
+}
+
+/// What the numbers of [`final_text`] mean.
+pub fn final_details(snapshot: &Snapshot, stop: &StopRules) -> String {
+    let mut lines = vec![
+        format!("First image after {:.0} ms.", 1000.0 * snapshot.first_image_seconds),
+        "The error is estimated from the picture itself: the square root of the mean squared relative error, with an interval that holds \
+         the true one 95 times in 100."
+            .to_owned(),
+    ];
+    if snapshot.error.is_some_and(|error| error.is_firefly_limited) {
+        lines.push(
+            "Light that few samples find makes up much of it: the estimate may still jump, and the interval is wide.".into(),
+        );
+    }
+    let mut rules = Vec::new();
+    rules.extend(stop.relmse.map(|relmse| format!("{} % error", percent(relmse))));
+    rules.extend(stop.spp.map(|spp| format!("{spp} samples per pixel")));
+    rules.extend(stop.seconds.map(|seconds| format!("{seconds} seconds")));
+    if !rules.is_empty() {
+        lines.push(format!("It stops at the first of: {}.", rules.join(", ")));
+    }
+    lines.join("\n")
+}
+
+/// The rule that ended a picture.
+fn ended(reason: StopReason, stop: &StopRules) -> String {
+    match reason {
+        StopReason::Error => format!("stopped: error {} % reached", stop.relmse.map_or_else(String::new, percent)),
+        StopReason::Spp => format!("stopped: {} samples per pixel reached", stop.spp.unwrap_or(SPP_MAX)),
+        StopReason::Time => format!("stopped: {} are up", stop.seconds.map_or_else(String::new, duration)),
+        StopReason::Cancelled => "stopped".into(),
+    }
+}
+
+/// The rule that will end a picture first, and when. `None` as long as nothing can be told.
+fn forecast(snapshot: &Snapshot, stop: &StopRules) -> Option<String> {
+    let now = snapshot.seconds;
+    let mut ends: Vec<(f64, String)> = Vec::new();
+    if let Some(end) = stop.seconds {
+        ends.push((end, format!("time is up in {}", duration((end - now).max(0.0)))));
+    }
+    if let Some(spp) = stop.spp.filter(|_| snapshot.spp > 0 && snapshot.scale == 1) {
+        let end = now * f64::from(spp) / f64::from(snapshot.spp);
+        ends.push((end, format!("{spp} spp in about {}", duration((end - now).max(0.0)))));
+    }
+    let line = Convergence::fit(&snapshot.history);
+    if let (Some(target), Some(line)) = (stop.relmse, line)
+        && let Some(prediction) = line.seconds_to(target)
+    {
+        let [rest, low, high] = [prediction.seconds, prediction.low, prediction.high].map(|end| duration((end - now).max(0.0)));
+        ends.push((prediction.seconds, format!("{} % in about {rest} ({low} to {high})", percent(target))));
+    } else if stop.relmse.is_some() {
+        // Before there is a line, any other rule may come second.
+        return None;
+    }
+    ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, text)| text)
 }
 
 /// Shows which lobes are in use and which are left out, each with the reason.
@@ -105,4 +151,74 @@ pub fn lobe_strip(ui: &mut Ui, lobes: LobeSet) {
             });
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::chart::tests::history;
+    use burnish_renderer::path::{ErrorEstimate, ErrorPoint};
+
+    /// A picture of 64 samples after 8 s, with an error of 7.1 %.
+    fn snapshot(done: Option<StopReason>) -> Snapshot {
+        let history = history(5);
+        let ErrorPoint { seconds, spp, relmse, low, high } = history[4];
+        Snapshot {
+            revision: 1,
+            width: 1,
+            height: 1,
+            pixels: vec![[0.0; 4]],
+            spp,
+            scale: 1,
+            seconds,
+            error: Some(ErrorEstimate { relmse, low, high, is_firefly_limited: false }),
+            samples_per_second: 1.2e6,
+            done,
+            history,
+            nonfinite: 0,
+            first_image_seconds: 0.01,
+            samples: None,
+        }
+    }
+
+    fn stop(spp: Option<u32>, seconds: Option<f64>, relmse: Option<f64>) -> StopRules {
+        StopRules { spp, seconds, relmse }
+    }
+
+    #[test]
+    fn the_rule_that_stopped_is_told() {
+        let rules = stop(Some(64), Some(60.0), Some(0.071 * 0.071));
+        let text = |reason| final_text(&snapshot(Some(reason)), &rules);
+        let rest = "   64 spp   error 7.1 % (6.5 to 7.7)   8 s   1.2 M samples/s";
+        assert_eq!(text(StopReason::Error), format!("stopped: error 7.1 % reached{rest}"));
+        assert_eq!(text(StopReason::Spp), format!("stopped: 64 samples per pixel reached{rest}"));
+        assert_eq!(text(StopReason::Time), format!("stopped: 60 s are up{rest}"));
+        let without = final_text(&snapshot(Some(StopReason::Spp)), &StopRules::default());
+        assert!(without.starts_with("stopped: 1048576 samples"), "{without}");
+    }
+
+    #[test]
+    fn the_first_rule_to_come_is_told() {
+        let text = |rules| final_text(&snapshot(None), &rules);
+        // By its line the error is 5 % after 16 s, 1 % after 400 s.
+        for (rules, expected) in [
+            (stop(None, None, Some(25e-4)), "5 % in about 8 s ("),
+            (stop(None, Some(12.0), Some(25e-4)), "time is up in 4 s   "),
+            (stop(Some(128), None, Some(1e-4)), "128 spp in about 8 s   "),
+            (stop(Some(4096), Some(600.0), Some(1e-4)), "1 % in about 7 min ("),
+            (stop(None, None, None), "rendering   64 spp"),
+        ] {
+            assert!(text(rules).starts_with(expected), "{}", text(rules));
+        }
+        let few = Snapshot { history: Vec::new(), error: None, ..snapshot(None) };
+        assert_eq!(final_text(&few, &stop(Some(4096), None, Some(1e-4))), "rendering   64 spp   8 s   1.2 M samples/s");
+    }
+
+    #[test]
+    fn a_firefly_limited_picture_says_so() {
+        let mut limited = snapshot(None);
+        limited.error = limited.error.map(|error| ErrorEstimate { is_firefly_limited: true, ..error });
+        let text = final_text(&limited, &StopRules::default());
+        assert!(text.contains("(6.5 to 7.7, uncertain: few bright pixels dominate)"), "{text}");
+    }
 }

@@ -3,14 +3,14 @@
 use crate::command::Command;
 use crate::editor::{Editor, View, ViewMode};
 use crate::loading::Job;
-use crate::panels::chart;
+use crate::panels::chart::{self, ErrorCurve};
 use crate::theme;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_renderer::path::StopRules;
 use burnish_renderer::tonemap::DisplayTransform;
 use egui::{
     Align2, Color32, ComboBox, DragValue, FontId, Label, PointerButton, Rect, Response, RichText, Role, Sense, Slider,
-    SliderClamping, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    SliderClamping, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// What the toolbar asks for.
@@ -285,15 +285,9 @@ fn rule(ui: &mut Ui, name: &str, suffix: &str, value: &mut Option<f64>, (default
     });
 }
 
-/// Whether the error chart has room in a picture.
-pub fn has_chart_room(rect: Rect) -> bool {
-    rect.width() >= chart::SIZE.x + 40.0 && rect.height() >= chart::SIZE.y + 80.0
-}
-
-/// Paints the error chart into the lower right corner of the final view.
-pub fn paint_chart(ui: &Ui, rect: Rect, history: &[(f64, f64)], goal_relmse: Option<f64>) {
-    let place = Rect::from_min_size(rect.max - chart::SIZE - vec2(10.0, 10.0), chart::SIZE);
-    chart::paint(&ui.painter_at(rect), place, history, goal_relmse);
+/// Shows the error chart in the lower right corner of the final view.
+pub fn show_chart(ui: &Ui, rect: Rect, size: Vec2, curve: &ErrorCurve) {
+    chart::show(ui, Rect::from_min_size(rect.max - size - vec2(10.0, 10.0), size), curve);
 }
 
 /// Shows over the whole window what dropping the hovered files would do.
