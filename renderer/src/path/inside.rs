@@ -338,7 +338,7 @@ impl Emerge<'_> {
         // What passes a cut-through surface straight on is left to the walk.
         let c = (throughput * value).scale(optics.opacity);
         let is_used = is_steep & outwards.gt(L::zero()) & local.z.gt(L::zero()) & !c.max_channel().le(L::zero());
-        for i in 0..live {
+        for (i, hit) in hits.iter().enumerate().take(live) {
             if !is_used.lane(i) {
                 continue;
             }
@@ -347,7 +347,7 @@ impl Emerge<'_> {
                 continue;
             }
             let origin = leave(lane_vector(at.position, i), lane_vector(at.ng, i));
-            self.shadows.rays.push(Ray { excluded: hits[i].triangle, ..Ray::new(origin, of(i).light) });
+            self.shadows.rays.push(Ray { excluded: hit.triangle, ..Ray::new(origin, of(i).light) });
             self.shadows.contributions.push(contribution);
             self.shadows.paths.push(of(i).path);
             self.shadows.sigmas.push([0.0; 3]);
