@@ -369,7 +369,7 @@ mod tests {
     fn pictures_of_a_request_only_become_finer() {
         let (sender, shown) = std::sync::mpsc::channel();
         // Nobody listens any more at the end.
-        let worker = Worker::new(2, Box::new(move || drop(sender.send(()))));
+        let worker = Worker::new(2, Box::new(move || _ = sender.send(())));
         let mut last = (0, 0, 0);
         for radiance in [1.0, 2.0] {
             let revision = worker.request(scene(radiance), settings(Some(16)));
