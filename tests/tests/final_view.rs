@@ -31,7 +31,7 @@ fn window(paths: Vec<PathBuf>) -> Window {
         },
         None,
     );
-    wait(&mut window, "a finished picture", |app| view(app).is_some_and(|view| is_done(view)));
+    wait(&mut window, "a finished picture", |app| view(app).is_some_and(is_done));
     window
 }
 
