@@ -300,7 +300,7 @@ fn the_first_stop_rule_to_hit_wins() {
         assert_eq!(json["stop_reason"], *reason, "{words:?}: {json}");
         // The picture itself says the same.
         let image = exr::prelude::read_first_flat_layer_from_file(place.path("a.exr")).unwrap();
-        let Some(AttributeValue::Text(job)) = image.layer_data.attributes.other.get(&"burnish".into()) else {
+        let Some(AttributeValue::Text(job)) = image.layer_data.attributes.other.get(&exr::prelude::Text::from("burnish")) else {
             panic!("the job is there")
         };
         let job: Value = serde_json::from_str(&job.to_string()).unwrap();

@@ -17,6 +17,8 @@ use std::time::Instant;
 const COARSE_PIXELS: usize = 4_096;
 /// Seconds that the first picture may take once it is: every picture of a camera being dragged is a first one, so they are all equally fine.
 const FIRST_SECONDS: f64 = 0.015;
+/// Pixels that it has however slow the scene.
+const FIRST_PIXELS: usize = 1_024;
 
 /// A picture on its way to being finished.
 #[derive(Clone, Debug)]
@@ -276,7 +278,7 @@ impl Job<'_> {
 
 /// By which power of two the first picture is coarser than `width` x `height`, at `rate` pixels per second (0: not known).
 fn first_scale(width: usize, height: usize, rate: f64) -> usize {
-    let pixels = COARSE_PIXELS.max((FIRST_SECONDS * rate) as usize);
+    let pixels = if rate > 0.0 { FIRST_PIXELS.max((FIRST_SECONDS * rate) as usize) } else { COARSE_PIXELS };
     let mut scale = 1;
     while (width / scale) * (height / scale) > pixels {
         scale *= 2;
@@ -360,7 +362,7 @@ mod tests {
 
     #[test]
     fn the_first_picture_is_as_fine_as_the_speed_allows() {
-        assert_eq!([0.0, 1e4, 2e6, 1e9].map(|rate| first_scale(512, 512, rate)), [8, 8, 4, 1]);
+        assert_eq!([0.0, 1.0, 1e5, 3e5, 2e6, 1e9].map(|rate| first_scale(512, 512, rate)), [8, 16, 16, 8, 4, 1]);
         assert_eq!(first_scale(1000, 10, 0.0), 2);
         assert_eq!(first_scale(64, 64, 0.0), 1);
     }

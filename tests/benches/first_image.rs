@@ -46,7 +46,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     show(&worker, &pictures, &scene, settings)?;
     let (mut first, mut full) = (Vec::new(), Vec::new());
     for edit in 0..EDITS {
-        change(&mut scene, if edit % 2 == 0 { 1.03 } else { 0.97 });
+        change(&mut scene, if edit.is_multiple_of(2) { 1.03 } else { 0.97 });
         let [to_first, to_full] = show(&worker, &pictures, &scene, settings)?;
         first.push(to_first);
         full.push(to_full);
@@ -106,7 +106,7 @@ fn prepare(scene: &mut Scene, property: Property) -> f64 {
     let mut last = Prepared::new(scene, None);
     let once = |edit: usize| {
         for object in scene.objects.iter_mut().filter(|object| object.is_document) {
-            scale(Arc::make_mut(&mut object.material), property, if edit % 2 == 0 { 1.03 } else { 0.97 });
+            scale(Arc::make_mut(&mut object.material), property, if edit.is_multiple_of(2) { 1.03 } else { 0.97 });
         }
         let start = Instant::now();
         last = Prepared::new(scene, Some(&last));

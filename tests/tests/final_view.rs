@@ -31,7 +31,7 @@ fn window(paths: Vec<PathBuf>) -> Window {
         },
         None,
     );
-    wait(&mut window, "a finished picture", |app| view(app).is_some_and(|view| is_done(view)));
+    wait(&mut window, "a finished picture", |app| view(app).is_some_and(is_done));
     window
 }
 
@@ -95,6 +95,8 @@ fn the_rule_that_stopped_is_shown_and_saved() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("final.exr");
     let mut window = window(vec![path.clone()]);
+    // The status line is drawn before the pictures.
+    window.run_steps(1);
     window.get_by_label_contains("stopped: 2 samples per pixel reached   2 spp");
     let ctx = window.ctx.clone();
     app(&mut window).carry_out(Command::SaveExr, &ctx);
