@@ -78,7 +78,8 @@ impl Connection {
         let has = |lobe| lobes.has(lobe);
         let is_coat_sharp = !has(Lobe::coat) || (optics.coat_is_smooth && !varies(Property::coat_roughness));
         let is_sharp = optics.is_smooth && !varies(Property::roughness) && is_coat_sharp;
-        if is_sharp && !has(Lobe::diffuse) && !has(Lobe::sheen) && !(has(Lobe::metal) && has(Lobe::multiple_scattering)) {
+        let spreads = has(Lobe::diffuse) || has(Lobe::sheen) || (has(Lobe::metal) && has(Lobe::multiple_scattering));
+        if is_sharp && !spreads {
             return Self::None;
         }
         if has(Lobe::transmission) {

@@ -51,6 +51,7 @@ pub(super) fn photons_per_sample(width: usize, height: usize) -> usize {
 }
 
 /// Traces photons and appends what they bring to pixels.
+#[expect(clippy::too_many_arguments, reason = "called once; a struct would only rename the arguments")]
 pub(super) fn trace_photons(
     prepared: &Prepared,
     caustics: &Caustics,
