@@ -10,7 +10,7 @@ use super::sampler::mix;
 use std::collections::BTreeMap;
 
 /// Samples per pixel at the first decision; each further one comes at four times the samples.
-const FIRST: u32 = 64;
+const FIRST: u32 = 16;
 /// Pixels to each side whose noise counts.
 const REACH: usize = 3;
 /// Levels per doubling.
@@ -129,8 +129,8 @@ mod tests {
     #[test]
     fn decisions_come_at_fixed_totals() {
         let decisions: Vec<u32> = (0..5000).filter(|spp| is_decision(*spp)).collect();
-        assert_eq!(decisions, [64, 256, 1024, 4096]);
-        assert_eq!([0, 63, 64, 255, 256].map(next_decision), [64, 64, 256, 256, 1024]);
+        assert_eq!(decisions, [16, 64, 256, 1024, 4096]);
+        assert_eq!([0, 15, 16, 63, 64].map(next_decision), [16, 16, 64, 64, 256]);
     }
 
     #[test]
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn deciding_does_not_bias_the_mean() {
         // By a pixel's own noise, who was lucky would go on: 17 % too dark here.
-        let (pictures, side) = (12, 40);
+        let (pictures, side) = (48, 40);
         let pixels = side * side;
         let mut sum = 0.0;
         for seed in 0..pictures {
