@@ -4,8 +4,8 @@
 //! heuristic). On what the camera sees first, where most of the error of a picture comes from, several directions are drawn from both, and
 //! one of them is connected in proportion to what each would bring: resampled importance sampling (Talbot et al. 2005) with the same
 //! weights. It costs the rays of one connection, and where nothing stands in the way it is as good as all of the candidates, which are
-//! stratified among themselves. What refracts gains nothing by it: there the light comes through another surface. Surfaces that
-//! only mirror or refract sharply are not connected at all.
+//! stratified among themselves. What refracts gains nothing by it, since its light comes through another surface, nor does what is matt,
+//! where shadows make most of the noise. Surfaces that only mirror or refract sharply are not connected at all.
 
 use super::caustics::Role;
 use super::sampler::{Group, Words, draw, per_lane};
@@ -18,10 +18,8 @@ use burnish_material::{Lobe, LobeSet, Property};
 
 /// Candidates from the light's table; a power of two, so that candidates of consecutive samples form one sequence.
 const LIGHT_CANDIDATES: u32 = 4;
-/// Candidates from the BSDF of a surface with highlights.
-const GLOSSY_CANDIDATES: u32 = 4;
-/// The same of others.
-const MATT_CANDIDATES: u32 = 2;
+/// Candidates from the BSDF, a power of two.
+const BSDF_CANDIDATES: u32 = 4;
 
 /// What is left to choose from of the candidates seen so far.
 struct Reservoir<L: Lanes> {
@@ -68,8 +66,8 @@ pub(super) enum Connection {
     None,
     /// By one direction.
     One,
-    /// Seen first, by one of several candidates; else as above. The number of candidates from the BSDF, a power of two.
-    Candidates(u32),
+    /// Seen first, by one of several candidates; else as above.
+    Candidates,
 }
 
 impl Connection {
@@ -82,28 +80,16 @@ impl Connection {
         if is_sharp && !spreads {
             return Self::None;
         }
-        if has(Lobe::transmission) {
-            return Self::One;
-        }
         let has_gloss = has(Lobe::metal) || has(Lobe::specular) || has(Lobe::coat);
-        Self::Candidates(if has_gloss { GLOSSY_CANDIDATES } else { MATT_CANDIDATES })
+        if has_gloss && !has(Lobe::transmission) { Self::Candidates } else { Self::One }
     }
 }
 
 impl Shade<'_> {
-    /// Number of candidates from the BSDF, where there are any.
-    fn candidates(&self) -> Option<u32> {
-        match self.surface.connection {
-            Connection::Candidates(n) if self.vertex == 0 && self.prepared.resamples && self.prepared.light.is_sampled() => {
-                Some(n)
-            }
-            _ => None,
-        }
-    }
-
-    /// Whether connections bring all light that the next ray might find by a lobe that is not delta.
+    /// Whether there are candidates: then connections bring all light that the next ray might find by a lobe that is not delta.
     pub(super) fn is_resampled(&self) -> bool {
-        self.candidates().is_some()
+        let is_due = self.surface.connection == Connection::Candidates && self.vertex == 0;
+        is_due && self.prepared.resamples && self.prepared.light.is_sampled()
     }
 
     /// Connects paths to the environment. `u` are the numbers of [`Group::Light`].
@@ -114,9 +100,9 @@ impl Shade<'_> {
         }
         let zero = L::zero();
         // One direction from the light alone is a candidate, too: the path itself draws the one from the BSDF.
-        let (group, counts) = match self.candidates() {
-            Some(n) => (Group::LightCandidate, [LIGHT_CANDIDATES, n]),
-            None => (Group::Light, [1, 0]),
+        let (group, counts) = match self.is_resampled() {
+            true => (Group::LightCandidate, [LIGHT_CANDIDATES, BSDF_CANDIDATES]),
+            false => (Group::Light, [1, 0]),
         };
         let techniques = counts.map(|n| L::of(f64::from(n.max(1))));
         let weight = |light: L, bsdf: L| L::one() / (techniques[0] * light + techniques[1] * bsdf).max(L::of(1e-30));
