@@ -72,7 +72,8 @@ fn unsafe_code_stays_in_two_places() {
     for package in ["material", "assets", "presets", "renderer", "app"] {
         for (path, text) in sources(package) {
             let name = path.strip_prefix(root().join("renderer/src")).unwrap_or(Path::new(""));
-            let is_exempt = name.starts_with("lanes") || ["lanes.rs", "denoise/oidn.rs"].iter().any(|file| name == Path::new(file));
+            let is_exempt =
+                name.starts_with("lanes") || ["lanes.rs", "denoise/oidn.rs"].iter().any(|file| name == Path::new(file));
             assert!(is_exempt || !(text.contains("unsafe {") || text.contains("unsafe impl")), "{}", path.display());
         }
     }
