@@ -3,7 +3,7 @@
 use super::displace::{HeightKey, Patch, Relief, length_scale};
 use super::mip::Sources;
 use super::walk::Field;
-use crate::bvh::{Bvh, Ray};
+use crate::bvh::{Bvh, Hit, Ray};
 use crate::scene::{Object, Scene};
 use burnish_assets::Mesh;
 use glam::{DVec3, Vec3};
@@ -163,6 +163,37 @@ impl Geometry {
         let exists = |t: &&[u32; 3]| t.iter().all(|&i| (i as usize) < mesh.positions.len());
         patch.triangles.extend(mesh.triangles.iter().filter(exists));
         patch
+    }
+
+    /// Interpolated normal at a hit, unit, on the side of the geometric one; none where there is no triangle.
+    pub(super) fn shading_normal(&self, hit: &Hit) -> Option<Vec3> {
+        let [a, b, c, _] = *self.triangles.get(hit.triangle as usize)?;
+        let normal = |corner: u32| {
+            let vertex = &self.vertices[corner as usize];
+            Vec3::new(vertex[3], vertex[4], vertex[5])
+        };
+        let ng = Vec3::from(self.normals[hit.triangle as usize]);
+        let n = normal(a) * (1.0 - hit.u - hit.v) + normal(b) * hit.u + normal(c) * hit.v;
+        let n = n.try_normalize().unwrap_or(ng);
+        Some(if n.dot(ng) < 0.0 { -n } else { n })
+    }
+
+    /// The same for the point of a triangle's plane that is nearest to another, or the border of the triangle where that lies outside.
+    pub(super) fn normal_near(&self, triangle: u32, point: Vec3) -> Option<Vec3> {
+        let [a, b, c] = self.triangles.get(triangle as usize).map(|t| {
+            [t[0], t[1], t[2]].map(|corner| {
+                let vertex = &self.vertices[corner as usize];
+                Vec3::new(vertex[0], vertex[1], vertex[2])
+            })
+        })?;
+        let ([e, f], p) = ([b - a, c - a], point - a);
+        let (ee, ef, ff, ep, fp) = (e.dot(e), e.dot(f), f.dot(f), e.dot(p), f.dot(p));
+        let area = ee * ff - ef * ef;
+        let inverse = if area > 0.0 { 1.0 / area } else { 0.0 };
+        let u = ((ff * ep - ef * fp) * inverse).clamp(0.0, 1.0);
+        let v = ((ee * fp - ef * ep) * inverse).clamp(0.0, 1.0);
+        let outside = (u + v).max(1.0);
+        self.shading_normal(&Hit { t: 0.0, triangle, u: u / outside, v: v / outside })
     }
 
     /// A scene point in normalised units.

@@ -13,6 +13,7 @@ use super::PassStats;
 use super::batch::{Batch, Paths, Shadows};
 use super::detail::{Footprint, Shading};
 use super::frame::{Frame, Point, point, span};
+use super::light::Light;
 use super::prepared::{Prepared, Surface};
 use super::sampler::{Group, MAX_LANES, Words, draw, per_lane};
 use super::shade::{lane_of, lane_vector, leave, wavelength};
@@ -46,6 +47,10 @@ const BROAD_SHARE: f64 = 0.2;
 const UNIFORM_SHARE: f64 = 0.05;
 /// Roughness (alpha) of the very rough surface.
 const ALPHA_BROAD: f64 = 0.5;
+/// Connections of a walk: one collision is connected to several lights.
+pub(super) const CONNECTIONS: u32 = 2;
+/// Share of the lights drawn for the surface nearest to the collision; the others are drawn from everywhere.
+const EVEN_SHARE: f64 = 0.85;
 /// Least cosine between the light and the normal that the light is refracted at.
 const COS_LIGHT_MIN: f32 = 0.05;
 
@@ -82,6 +87,8 @@ impl Passage {
 pub(super) struct Connection {
     /// The path that gets the light.
     path: u32,
+    /// Number among those of its walk, below [`CONNECTIONS`].
+    number: u32,
     /// The collision.
     source: Source,
     /// Extinction in the body.
@@ -101,9 +108,9 @@ pub(super) struct Connection {
 
 impl Connection {
     /// From a collision; `u` are three numbers in `[0, 1)`.
-    pub(super) fn new(path: u32, source: Source, extinction: [f32; 3], passage: Passage, u: [f32; 3]) -> Self {
+    pub(super) fn new(path: u32, number: u32, source: Source, extinction: [f32; 3], passage: Passage, u: [f32; 3]) -> Self {
         let (direction, light) = (Vec3::ZERO, Vec3::ZERO);
-        Self { path, source, extinction, passage, u, direction, light, weight: [0.0; 3], exit: Hit::MISS }
+        Self { path, number, source, extinction, passage, u, direction, light, weight: [0.0; 3], exit: Hit::MISS }
     }
 }
 
@@ -166,10 +173,11 @@ impl Kernel for Aim<'_> {
             let at = |i: usize| &group[if i < group.len() { i } else { 0 }];
             let seeds: Words = per_lane(0, |i| paths.seeds[at(i).path as usize]);
             let indices: Words = per_lane(0, |i| paths.indices[at(i).path as usize]);
-            // Where the exit of the same walk draws a light with these numbers, connections bring none.
-            let choice: [L; 4] = draw(Group::Light, vertex, &seeds, &indices);
-            let light = prepared.light.sample(choice[0], choice[1]);
-            let share = L::select(light.pdf.gt(L::zero()), L::one() / (light.pdf + L::of(EXIT_DENSITY)), L::zero());
+            let indices: Words = per_lane(0, |i| indices[i].wrapping_mul(CONNECTIONS).wrapping_add(at(i).number));
+            let choice: [L; 4] = draw(Group::LightCandidate, vertex, &seeds, &indices);
+            let normal = |k: usize| L::from_fn(|i| at(i).source.normal[k]);
+            let light = shone_on(&prepared.light, V3::new(normal(0), normal(1), normal(2)), choice);
+            let share = L::select(light.pdf.gt(L::zero()), light.share / (light.pdf * L::of(f64::from(CONNECTIONS))), L::zero());
             let normals = per_lane([0.0; 3], |i| {
                 let interior = Interior::new(&prepared.geometry, paths.body[at(i).path as usize]);
                 exit_normal(&interior, at(i), lane_vector(light.direction, i)).to_array()
@@ -196,6 +204,38 @@ impl Kernel for Aim<'_> {
     }
 }
 
+/// A light for a connection.
+struct Shone<L> {
+    direction: V3<L>,
+    radiance: Rgb<L>,
+    /// Density, 1/sr.
+    pdf: L,
+    /// What connections bring of this light; the rest is left to exits.
+    share: L,
+}
+
+/// Draws a light for a surface with a unit normal, which is known roughly.
+#[inline(always)]
+fn shone_on<L: Lanes>(light: &Light, normal: V3<L>, u: [L; 4]) -> Shone<L> {
+    let plain = light.sample(u[0], u[1]);
+    let exits = L::of(EXIT_DENSITY);
+    let Some(facing) = light.facing(normal) else {
+        let share = plain.pdf / (plain.pdf + exits);
+        return Shone { direction: plain.direction, radiance: plain.radiance, pdf: plain.pdf, share };
+    };
+    let even = light.sample_facing(&facing, [u[0], u[1], u[2] * L::of(1.0 / EVEN_SHARE)]);
+    let is_even = u[2].lt(L::of(EVEN_SHARE));
+    let direction = V3::select(is_even, even.direction, plain.direction);
+    let pdf_plain = L::select(is_even, light.eval(direction).1, plain.pdf);
+    let pdf_even = L::select(is_even, even.pdf, light.eval_facing(&facing, direction).1);
+    Shone {
+        direction,
+        radiance: Rgb::select(is_even, even.radiance, plain.radiance),
+        pdf: L::of(EVEN_SHARE) * pdf_even + L::of(1.0 - EVEN_SHARE) * pdf_plain,
+        share: pdf_plain / (pdf_plain + exits),
+    }
+}
+
 /// Normal of the surface about where light in a direction leaves the body, on the side of the light: that of the surface nearest to the
 /// point where straight refraction at the surface nearest to the collision would take it.
 fn exit_normal(interior: &Interior<'_>, connection: &Connection, light: Vec3) -> Vec3 {
@@ -212,7 +252,7 @@ fn exit_normal(interior: &Interior<'_>, connection: &Connection, light: Vec3) ->
     }
     let way = light / eta - n * (cos / eta - cos2.sqrt());
     let exit = connection.source.position + (way * (connection.source.depth / cos2.sqrt())).as_dvec3();
-    let found = interior.depth(exit).map(|depth| depth.normal.as_vec3());
+    let found = interior.outer_normal(exit);
     found.filter(|found| found.dot(connection.source.normal) >= COS_NORMALS_MIN).map_or(n, towards)
 }
 

@@ -2,7 +2,7 @@
 
 use super::PassStats;
 use super::batch::{Batch, Paths};
-use super::inside::{self, Connection, Passage};
+use super::inside::{self, CONNECTIONS, Connection, Passage};
 use super::prepared::Prepared;
 use super::sampler::{Group, MAX_LANES, draw};
 use super::walk::{Body, End, Entry, Interior, Medium, Method, Reservoir, WalkStats, walk};
@@ -62,13 +62,19 @@ fn step(
     let passage = passage(prepared, paths, i);
     let mut reservoir = Reservoir::new(passage.is_some());
     let end = walk(&interior, &body, &entry, Method::Jumping, &mut reservoir, done);
-    if let (Some(source), Some(passage)) = (reservoir.source(), passage) {
-        let u = [0, 1, 2].map(|k| entry.number(k) as f32);
-        inside.push(Connection::new(i as u32, source, body.extinction(), passage.over(source.depth / radius), u));
+    if let (Some(mut source), Some(passage)) = (reservoir.source(), passage) {
+        source.normal = interior.outer_normal(source.position).unwrap_or(source.normal);
+        for number in 0..CONNECTIONS {
+            let u = [0, 1, 2].map(|k| entry.number(3 * number + k) as f32);
+            inside.push(Connection::new(i as u32, number, source, body.extinction(), passage.over(source.depth / radius), u));
+        }
     }
     match end {
         End::Surface { hit, position, direction, throughput, source_normal } => {
-            paths.is_connected[i] = source_normal.is_some_and(|n| inside::reaches(prepared, n, &hit));
+            paths.is_connected[i] = source_normal.is_some_and(|n| {
+                let n = interior.outer_normal(position).unwrap_or(n);
+                inside::reaches(prepared, n, &hit)
+            });
             paths.hits[i] = hit;
             let position = position.as_vec3();
             for k in 0..3 {

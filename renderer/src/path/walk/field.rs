@@ -28,6 +28,8 @@ pub(in crate::path) struct Depth {
     pub at_least: f64,
     /// About the distance to the nearest surface, at least 0.
     pub about: f64,
+    /// The triangle that it is, or one nearly as near.
+    pub triangle: u32,
     /// Outward unit normal of it.
     pub normal: DVec3,
     /// What surfaces curved as the body hide from `about`, a length.
@@ -63,47 +65,42 @@ impl Field {
         let mut held = self.cells[index].load(Ordering::Relaxed);
         if held == 0 {
             let nearest = bvh.nearest(center, f64::INFINITY, TOLERANCE)?;
-            held = pack(Self::look(&nearest, normals, center));
+            held = pack(nearest.triangle, Self::distance(&nearest, normals, center));
             self.cells[index].store(held, Ordering::Relaxed);
         }
-        let (distance, normal) = unpack(held);
+        let (triangle, distance) = unpack(held);
+        let normal = normal_of(normals, triangle);
         let away = center - point;
         // The plane is no farther than the triangle.
         let slack = 1e-6 * (f64::from(distance).abs() + self.cell) + 8.0 * super::rounding(center);
         Some(Depth {
             at_least: f64::from(distance).abs() / (1.0 + TOLERANCE) - away.length() - slack,
             about: (f64::from(distance) + away.dot(normal)).max(0.0),
+            triangle,
             normal,
             error: 0.03 * self.cell,
             cell: self.cell,
         })
     }
 
-    /// Distance to the plane of the nearest triangle, negative outside, and its normal. Not the distance to the triangle and the way there:
-    /// a point a tenth too far may lie in quite another direction, but its plane is nearly the same.
-    fn look(nearest: &Nearest, normals: &[[f32; 3]], center: DVec3) -> (f64, DVec3) {
-        let normal = normals.get(nearest.triangle as usize).map_or(DVec3::Y, |n| Vec3::from(*n).as_dvec3());
-        ((nearest.point - center).dot(normal), normal)
+    /// Distance to the plane of the nearest triangle, negative outside. Not the distance to the triangle: one that is a tenth farther may
+    /// lie in quite another direction, but its plane is nearly the same.
+    fn distance(nearest: &Nearest, normals: &[[f32; 3]], center: DVec3) -> f32 {
+        (nearest.point - center).dot(normal_of(normals, nearest.triangle)) as f32
     }
 }
 
-/// Distance in single precision above, the direction by the octahedral map in two 16-bit numbers below (Meyer et al. 2010).
-fn pack((distance, n): (f64, DVec3)) -> u64 {
-    let n = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(1e-30);
-    let fold = |a: f64, b: f64| (1.0 - b.abs()) * if a < 0.0 { -1.0 } else { 1.0 };
-    let (x, y) = if n.z < 0.0 { (fold(n.x, n.y), fold(n.y, n.x)) } else { (n.x, n.y) };
-    let word = |x: f64| ((x * 32766.0).round() + 32767.0) as u64;
-    // Both words are at least 1, so that no cell looks empty.
-    u64::from((distance as f32).to_bits()) << 32 | word(x) << 16 | word(y)
+fn normal_of(normals: &[[f32; 3]], triangle: u32) -> DVec3 {
+    normals.get(triangle as usize).map_or(DVec3::Y, |n| Vec3::from(*n).as_dvec3())
 }
 
-fn unpack(held: u64) -> (f32, DVec3) {
-    let real = |word: u64| ((word & 0xffff) as f64 - 32767.0) / 32766.0;
-    let (x, y) = (real(held >> 16), real(held));
-    let z = 1.0 - x.abs() - y.abs();
-    let fold = |a: f64, b: f64| (1.0 - b.abs()) * if a < 0.0 { -1.0 } else { 1.0 };
-    let n = if z < 0.0 { DVec3::new(fold(x, y), fold(y, x), z) } else { DVec3::new(x, y, z) };
-    (f32::from_bits((held >> 32) as u32), n.normalize_or(DVec3::Y))
+/// Distance above, triangle below, counted from 1 so that no cell looks empty.
+fn pack(triangle: u32, distance: f32) -> u64 {
+    u64::from(distance.to_bits()) << 32 | u64::from(triangle.wrapping_add(1))
+}
+
+fn unpack(held: u64) -> (u32, f32) {
+    ((held as u32).wrapping_sub(1), f32::from_bits((held >> 32) as u32))
 }
 
 #[cfg(test)]
@@ -112,16 +109,9 @@ mod tests {
 
     #[test]
     fn what_is_packed_comes_out_again() {
-        for (distance, n) in [
-            (0.0, DVec3::Z),
-            (0.5, DVec3::NEG_Z),
-            (-0.25, DVec3::new(0.3, -0.9, -0.2).normalize()),
-            (1e-9, DVec3::new(-0.1, 0.2, 0.9).normalize()),
-            (3.0, DVec3::NEG_X),
-        ] {
-            let held = pack((distance, n));
-            let (d, m) = unpack(held);
-            assert!(held != 0 && d == distance as f32 && m.distance(n) < 1e-4, "{distance} {n}: {d} {m}");
+        for (triangle, distance) in [(0, 0.0), (0, -0.25), (7, 0.5), (u32::MAX - 1, 1e-9)] {
+            let held = pack(triangle, distance);
+            assert!(held != 0 && unpack(held) == (triangle, distance), "{triangle} {distance}");
         }
     }
 }

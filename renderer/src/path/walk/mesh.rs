@@ -20,6 +20,12 @@ impl<'a> Interior<'a> {
     pub(in crate::path) fn new(geometry: &'a Geometry, object: u32) -> Self {
         Self { geometry, field: geometry.field(object) }
     }
+
+    /// Interpolated normal of the surface nearest to a point, unit; none where that would have to be searched.
+    pub(in crate::path) fn outer_normal(&self, point: DVec3) -> Option<Vec3> {
+        let depth = self.depth(point)?;
+        self.geometry.normal_near(depth.triangle, point.as_vec3())
+    }
 }
 
 impl Boundary for Interior<'_> {
