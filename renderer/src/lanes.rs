@@ -102,6 +102,9 @@ pub trait Lanes:
     fn exp2_whole(self) -> Self;
     /// `(m, e)` with `self == m 2^e`, `e` whole and `m` in `[sqrt(1/2), sqrt(2))`, for normal positive numbers.
     fn split_binary(self) -> (Self, Self);
+    /// The two half-precision numbers, at least 0, in the lower and the upper bits of each lane, times 2^-112. Sixteen bits of a
+    /// half are the leading ones of a single but for its sign and the width of its exponent.
+    fn halves(self) -> (Self, Self);
     /// The smaller; the other one if one is NaN.
     fn min(self, other: Self) -> Self;
     /// The larger; the other one if one is NaN.
@@ -223,6 +226,11 @@ macro_rules! scalar_lanes {
             #[inline(always)]
             fn least_lane(self) -> f32 {
                 self as f32
+            }
+            #[inline(always)]
+            fn halves(self) -> (Self, Self) {
+                let (low, high) = elementary::halves(self as f32);
+                (Self::from(low), Self::from(high))
             }
             $($own)*
             #[inline(always)]

@@ -287,6 +287,20 @@ impl<'a, L: Lanes> Bsdf<'a, L> {
         }
     }
 
+    /// The same surface, with directions drawn from all lobes but the cosine lobe of even scattering.
+    #[inline(always)]
+    pub fn glossy(&self) -> Self {
+        let sum = self.p_coat + self.p_sheen + self.p_interface;
+        let scale = L::one() / L::select(sum.gt(L::zero()), sum, L::one());
+        Self {
+            p_coat: self.p_coat * scale,
+            p_sheen: self.p_sheen * scale,
+            p_interface: self.p_interface * scale,
+            p_diffuse: L::zero(),
+            ..*self
+        }
+    }
+
     /// The other direction in the mirrored frame, and back.
     #[inline(always)]
     fn mirrored(&self, w: V3<L>) -> V3<L> {

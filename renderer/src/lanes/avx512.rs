@@ -222,6 +222,12 @@ impl Lanes for V16 {
             let m = _mm512_add_epi32(_mm512_and_si512(steps, _mm512_set1_epi32(0x007f_ffff)), root_half);
             (Self(_mm512_castsi512_ps(m)), Self(_mm512_cvtepi32_ps(_mm512_srai_epi32::<23>(steps))))
         }
+        fn halves(self) -> (Self, Self) {
+            let (bits, mask) = (_mm512_castps_si512(self.0), _mm512_set1_epi32(0x7fff));
+            let low = _mm512_slli_epi32::<13>(_mm512_and_si512(bits, mask));
+            let high = _mm512_slli_epi32::<13>(_mm512_and_si512(_mm512_srli_epi32::<16>(bits), mask));
+            (Self(_mm512_castsi512_ps(low)), Self(_mm512_castsi512_ps(high)))
+        }
         fn lesser(self, other: Self) -> Self { Self(_mm512_min_ps(self.0, other.0)) }
         fn greater(self, other: Self) -> Self { Self(_mm512_max_ps(self.0, other.0)) }
         fn least_lane(self) -> f32 { _mm512_reduce_min_ps(self.0) }

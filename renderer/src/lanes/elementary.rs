@@ -14,6 +14,13 @@ pub(super) fn exp2_whole(x: f32) -> f32 {
     f32::from_bits((x + (12_582_912.0 + 127.0)).to_bits() << 23)
 }
 
+/// [`Lanes::halves`] of one lane.
+#[inline(always)]
+pub(super) fn halves(x: f32) -> (f32, f32) {
+    let bits = x.to_bits();
+    (f32::from_bits((bits & 0x7fff) << 13), f32::from_bits(((bits >> 16) & 0x7fff) << 13))
+}
+
 /// Significand in `[sqrt(1/2), sqrt(2))` and exponent of a normal positive number.
 #[inline(always)]
 pub(super) fn split_binary(x: f32) -> (f32, f32) {

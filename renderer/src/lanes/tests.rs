@@ -57,6 +57,8 @@ fn all<L: Lanes>(a: L, b: L, table: &[f32]) -> Vec<L> {
         a * b,
         a / b,
         -a,
+        a.halves().0,
+        a.halves().1,
         a.sqrt(),
         a.abs(),
         a.floor(),
@@ -166,4 +168,14 @@ fn masks_turn_into_bits_and_back() {
     check::<bool>(1);
     check::<WideMask<8>>(8);
     check::<WideMask<16>>(16);
+}
+
+#[test]
+fn halves_are_those_of_the_format() {
+    for (low, high) in [(0.0f32, 1.0f32), (65504.0, 0.333), (6.1e-5, 1024.5), (1e-7, 3.0)] {
+        let [low, high] = [low, high].map(half::f16::from_f32);
+        let word = f32::from_bits(u32::from(low.to_bits()) | u32::from(high.to_bits()) << 16);
+        let (a, b) = word.halves();
+        assert_eq!([a, b].map(|x| x * 2f32.powi(112)), [low.to_f32(), high.to_f32()]);
+    }
 }

@@ -230,6 +230,10 @@ impl<const N: usize> Lanes for Wide<N> {
         (Self(each(|i| elementary::split_binary(self.0[i]).0)), Self(each(|i| elementary::split_binary(self.0[i]).1)))
     }
     #[inline(always)]
+    fn halves(self) -> (Self, Self) {
+        (Self(each(|i| elementary::halves(self.0[i]).0)), Self(each(|i| elementary::halves(self.0[i]).1)))
+    }
+    #[inline(always)]
     fn lesser(self, other: Self) -> Self {
         Self(each(|i| if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] }))
     }

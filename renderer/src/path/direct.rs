@@ -17,9 +17,12 @@ use crate::vector::{Rgb, V3};
 use burnish_material::{Lobe, LobeSet, Property};
 
 /// Candidates from the light's table; a power of two, so that candidates of consecutive samples form one sequence.
-const LIGHT_CANDIDATES: u32 = 4;
+const LIGHT_CANDIDATES: u32 = 2;
 /// Candidates from the BSDF, a power of two.
 const BSDF_CANDIDATES: u32 = 4;
+
+/// Directions that connect a matt surface that the camera sees first, a power of two.
+const EVEN_DIRECTIONS: u32 = 2;
 
 /// What is left to choose from of the candidates seen so far.
 struct Reservoir<L: Lanes> {
@@ -32,6 +35,12 @@ struct Reservoir<L: Lanes> {
     direction: V3<L>,
     /// A number in `[0, 1)` that makes the choices.
     u: L,
+}
+
+/// Sample numbers of the `j`-th of `n` (a power of two) numbers of every sample: those of consecutive samples form one sequence.
+#[inline(always)]
+fn numbers(indices: &Words, n: u32, j: u32) -> Words {
+    per_lane(0, |i| indices[i].wrapping_mul(n).wrapping_add(j))
 }
 
 impl<L: Lanes> Reservoir<L> {
@@ -64,6 +73,8 @@ impl<L: Lanes> Reservoir<L> {
 pub(super) enum Connection {
     /// Not at all: no direction of the light is one of its own.
     None,
+    /// By one direction, drawn in proportion to radiance times cosine: that stands for all light.
+    Matt,
     /// By one direction.
     One,
     /// Seen first, by one of several candidates; else as above.
@@ -81,49 +92,120 @@ impl Connection {
             return Self::None;
         }
         let has_gloss = has(Lobe::metal) || has(Lobe::specular) || has(Lobe::coat);
+        if !has_gloss && !has(Lobe::transmission) && !has(Lobe::sheen) {
+            return Self::Matt;
+        }
         if has_gloss && !has(Lobe::transmission) { Self::Candidates } else { Self::One }
     }
 }
 
+impl Connection {
+    /// Whether directions are drawn for the normal of a surface with these lobes.
+    pub(super) fn is_even(self, lobes: LobeSet) -> bool {
+        self == Self::Matt || (self == Self::Candidates && lobes.has(Lobe::diffuse))
+    }
+}
+
+impl<L: Lanes> Encounter<'_, L> {
+    /// The shading normal on the side of the viewer.
+    #[inline(always)]
+    fn lit_normal(&self) -> V3<L> {
+        let n = self.frame.n;
+        V3::select(self.wo.dot(n).lt(L::zero()), -n, n)
+    }
+}
+
 impl Shade<'_> {
-    /// Whether there are candidates: then connections bring all light that the next ray might find by a lobe that is not delta.
-    pub(super) fn is_resampled(&self) -> bool {
-        let is_due = self.surface.connection == Connection::Candidates && self.vertex == 0;
-        is_due && self.prepared.resamples && self.prepared.light.is_sampled()
+    /// Whether connections bring all light that the next ray might find by a lobe that is not delta.
+    pub(super) fn brings_all(&self) -> bool {
+        let light = &self.prepared.light;
+        self.prepared.resamples
+            && match self.surface.connection {
+                Connection::Matt => light.lights_evenly(),
+                Connection::Candidates => self.vertex == 0 && light.is_sampled(),
+                Connection::None | Connection::One => false,
+            }
     }
 
     /// Connects paths to the environment. `u` are the numbers of [`Group::Light`].
     #[inline(always)]
     pub(super) fn direct_light<L: Lanes>(&mut self, here: &Encounter<'_, L>, u: [L; 4]) {
-        if self.surface.connection == Connection::None || !self.prepared.light.is_sampled() {
-            return;
+        match self.surface.connection {
+            Connection::None => {}
+            Connection::Matt if self.brings_all() => self.connect_evenly(here, u),
+            Connection::Candidates if self.brings_all() => {
+                self.connect_one_of(here, u, Group::LightCandidate, [LIGHT_CANDIDATES, BSDF_CANDIDATES])
+            }
+            // One direction from the light alone is a candidate, too: the path itself draws the one from the BSDF.
+            _ if self.prepared.light.is_sampled() => self.connect_one_of(here, u, Group::Light, [1, 0]),
+            _ => {}
         }
+    }
+
+    /// A direction in proportion to what it brings, shadows aside.
+    #[inline(always)]
+    fn connect_evenly<L: Lanes>(&mut self, here: &Encounter<'_, L>, u: [L; 4]) {
         let zero = L::zero();
-        // One direction from the light alone is a candidate, too: the path itself draws the one from the BSDF.
-        let (group, counts) = match self.is_resampled() {
-            true => (Group::LightCandidate, [LIGHT_CANDIDATES, BSDF_CANDIDATES]),
-            false => (Group::Light, [1, 0]),
+        let Some(facing) = self.prepared.light.facing(here.lit_normal()) else {
+            return;
         };
+        let n = if self.vertex == 0 { EVEN_DIRECTIONS } else { 1 };
+        for j in 0..n {
+            let u = match n {
+                1 => u,
+                _ => draw(Group::LightCandidate, self.vertex, here.seeds, &numbers(here.indices, n, j)),
+            };
+            let light = self.prepared.light.sample_facing(&facing, [u[0], u[1], u[2]]);
+            let local = here.frame.local(light.direction);
+            let (value, _) = here.bsdf.eval(local);
+            let is_used = light.pdf.gt(zero) & self.is_open(here, light.direction, local);
+            let scale = L::one() / (L::select(is_used, light.pdf, L::one()) * L::of(f64::from(n)));
+            self.push(here, is_used, light.direction, (here.throughput * value * light.radiance).scale(scale));
+        }
+    }
+
+    /// One of several directions.
+    #[inline(always)]
+    fn connect_one_of<L: Lanes>(&mut self, here: &Encounter<'_, L>, u: [L; 4], group: Group, counts: [u32; 2]) {
+        let zero = L::zero();
         let techniques = counts.map(|n| L::of(f64::from(n.max(1))));
         let weight = |light: L, bsdf: L| L::one() / (techniques[0] * light + techniques[1] * bsdf).max(L::of(1e-30));
-        let numbers = |j: u32, n: u32| -> Words { per_lane(0, |i| here.indices[i].wrapping_mul(n).wrapping_add(j)) };
         let mut reservoir = Reservoir::new(u[2]);
+        let facing = if counts[1] > 0 && self.surface.connection.is_even(self.surface.lobes) {
+            self.prepared.light.facing(here.lit_normal())
+        } else {
+            None
+        };
+        // Where light is drawn for what scatters evenly, the BSDF need not be.
+        let glossy;
+        let bsdf = if facing.is_some() {
+            glossy = here.bsdf.glossy();
+            &glossy
+        } else {
+            here.bsdf
+        };
         for j in 0..counts[0] {
-            let x: [L; 4] = draw(group, self.vertex, here.seeds, &numbers(j, counts[0]));
-            let light = self.prepared.light.sample(x[0], x[1]);
+            let x: [L; 4] = draw(group, self.vertex, here.seeds, &numbers(here.indices, counts[0], j));
+            let light = match &facing {
+                Some(facing) => self.prepared.light.sample_facing(facing, [x[0], x[1], x[2]]),
+                None => self.prepared.light.sample(x[0], x[1]),
+            };
             let local = here.frame.local(light.direction);
-            let (value, pdf) = here.bsdf.eval(local);
+            let (value, pdf) = bsdf.eval(local);
             let radiance = self.found(here, light.radiance);
             let brought = (here.throughput * value * radiance).scale(weight(light.pdf, pdf));
             reservoir.consider(light.pdf.gt(zero) & self.is_open(here, light.direction, local), brought, light.direction);
         }
         for j in 0..counts[1] {
-            let x: [L; 4] = draw(Group::BsdfCandidate, self.vertex, here.seeds, &numbers(j, counts[1]));
+            let x: [L; 4] = draw(Group::BsdfCandidate, self.vertex, here.seeds, &numbers(here.indices, counts[1], j));
             // Lobes by turns: the candidates of a sample share a number for it.
             let lobe = (u[0] + L::of(f64::from(j))) * L::of(1.0 / f64::from(counts[1]));
-            let sample = here.bsdf.sample([lobe, x[0], x[1], zero]);
+            let sample = bsdf.sample([lobe, x[0], x[1], zero]);
             let direction = here.frame.world(sample.wi).normalize();
-            let (radiance, pdf) = self.prepared.light.eval(direction);
+            let (radiance, pdf) = match &facing {
+                Some(facing) => self.prepared.light.eval_facing(facing, direction),
+                None => self.prepared.light.eval(direction),
+            };
             let radiance = self.found(here, radiance);
             let brought = (here.throughput * sample.weight * radiance).scale(sample.pdf * weight(pdf, sample.pdf));
             let is_used = sample.is_valid & !sample.is_delta & self.is_open(here, direction, sample.wi);

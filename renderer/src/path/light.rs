@@ -1,8 +1,8 @@
 //! The environment as a light: radiance of a direction, and directions drawn where it is bright.
 //!
-//! Directions are drawn from rows and columns of a table proportional to `max(L - mean, 0)`: what lies below the mean is left to
-//! BSDF sampling, which is always combined with it (MIS compensation; Karlik et al. 2019). So the density may only be used
-//! together with BSDF sampling, and delta lobes take the full light.
+//! Directions are drawn in two ways. In general from rows and columns of a table proportional to `max(L - mean, 0)`: what lies below the mean
+//! is left to BSDF sampling, which is always combined with it (MIS compensation; Karlik et al. 2019). So that density may only be used
+//! together with BSDF sampling, and delta lobes take the full light. For a normal, in proportion to `L cos` (`irradiance`): complete by itself.
 //!
 //! Where a scene has caustics (`caustics`), light is divided by its radiance: what exceeds [`HOT`] times the mean of the map is *hot*, the
 //! rest *cold*. Hot light has a table of its own, from which photons start.
@@ -12,11 +12,13 @@
 #![allow(clippy::needless_range_loop, reason = "one number runs over several arrays of lanes or axes")]
 
 use super::distribution::Distribution;
+use super::irradiance::{BLOCK_ROWS, Facing, Irradiance};
 use crate::bsdf::interpret::EMISSION_MAX;
 use crate::lanes::{Lanes, MAX_LANES, Routine};
 use crate::scene::EnvironmentLight;
 use crate::vector::{Rgb, V3};
 use burnish_assets::Environment;
+use half::f16;
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, OnceLock};
 
@@ -28,6 +30,10 @@ const ROWS_MIN: usize = 256;
 const ROWS_MAX: usize = 512;
 /// Smallest sine of the polar angle in a density.
 const SIN_MIN: f64 = 1e-6;
+/// What [`Lanes::halves`] are to be multiplied by.
+const HALVES: f64 = 5_192_296_858_534_827_628_530_496_329_220_096.0;
+/// Largest scale of texels: the brightest is then infinite and clamped, the darkest still a number.
+const SCALE_MAX: f64 = 1e37;
 /// Luminance over the mean of the map from which light is hot. Any value is exact.
 const HOT: f64 = 4.0;
 /// Least share of a map's power that is worth photons.
@@ -43,10 +49,15 @@ pub(super) struct LightTables {
     mean: f64,
     /// For light sampling; `None` if nothing is brighter than the mean.
     compensated: Option<Distribution>,
+    /// For surfaces that scatter evenly, made when first asked for; `None` in the dark.
+    irradiance: OnceLock<Option<Irradiance>>,
     /// For hot light, made when first asked for.
     hot: OnceLock<Option<Distribution>>,
-    /// Texels in four floats, with the first column repeated behind the last: `height` rows of `width + 1`.
-    texels: Vec<[f32; 4]>,
+    /// Texels in half precision: red in the lower and green in the upper bits of the first word, blue in the second. The first column is
+    /// repeated behind the last: `height` rows of `width + 1`.
+    texels: Vec<[f32; 2]>,
+    /// Radiance of a texel that holds 1.
+    unit: f64,
 }
 
 /// A light with its place in the scene.
@@ -72,19 +83,40 @@ impl LightTables {
     /// Tables of a map, in double precision until they are stored.
     pub(super) fn new(map: &Arc<Environment>) -> Self {
         let (width, height) = (map.width.max(1), map.height.max(1));
-        let rows = height.clamp(ROWS_MIN, ROWS_MAX);
+        let rows = height.clamp(ROWS_MIN, ROWS_MAX).next_multiple_of(BLOCK_ROWS);
         let columns = 2 * rows;
+        // A power of two that brings the brightest texel to the upper end of half precision: dark ones keep their digits.
+        let brightest = map.texels.iter().flatten().fold(0.0f32, |a, b| if b.is_finite() { a.max(*b) } else { a });
+        let exponent = (14 - brightest.max(f32::MIN_POSITIVE).log2().floor() as i32).clamp(-100, 100);
+        let scale = 2f32.powi(exponent);
+        let half = |x: f32| u32::from(f16::from_f32((x * scale).clamp(0.0, f32::from(f16::MAX))).to_bits());
         let mut texels = Vec::with_capacity((width + 1) * height);
         for j in 0..height {
             for i in 0..=width {
-                let c = map.texels.get(j * width + i % width).copied().unwrap_or_default();
-                texels.push([c[0], c[1], c[2], 0.0]);
+                let [r, g, b] = map.texels.get(j * width + i % width).copied().unwrap_or_default().map(half);
+                texels.push([f32::from_bits(r | g << 16), f32::from_bits(b)]);
             }
         }
-        let mut tables = Self { map: map.clone(), rows, columns, mean: 0.0, compensated: None, hot: OnceLock::new(), texels };
+        let mut tables = Self {
+            map: map.clone(),
+            rows,
+            columns,
+            mean: 0.0,
+            compensated: None,
+            irradiance: OnceLock::new(),
+            hot: OnceLock::new(),
+            texels,
+            unit: 2f64.powi(-exponent),
+        };
         tables.mean = tables.mean_above(0.0);
         tables.compensated = Distribution::new(&tables.mass_above(tables.mean), rows, columns);
         tables
+    }
+
+    /// Tables for surfaces that scatter evenly.
+    fn irradiance(&self) -> Option<&Irradiance> {
+        let make = || Irradiance::new(&self.mass_above(0.0), self.rows, self.columns);
+        self.irradiance.get_or_init(make).as_ref()
     }
 
     /// The table of hot light; `None` if a map has too little of it.
@@ -97,13 +129,20 @@ impl LightTables {
         self.hot.get_or_init(make).as_ref()
     }
 
+    /// Luminance of a texel.
+    fn luminance(&self, texel: &[f32; 2]) -> f64 {
+        let ((r, g), (b, _)) = (texel[0].halves(), texel[1].halves());
+        let [r, g, b] = [r, g, b].map(|x| f64::from(x) * HALVES * self.unit);
+        LUMINANCE[0] * r + LUMINANCE[1] * g + LUMINANCE[2] * b
+    }
+
     /// Mean over the sphere of the luminance above a threshold.
     fn mean_above(&self, threshold: f64) -> f64 {
         let (width, height) = (self.map.width.max(1), self.map.height.max(1));
         let (mut mean, mut weight) = (0.0, 0.0);
         for (j, row) in self.texels.chunks(width + 1).enumerate() {
             let sin = ((j as f64 + 0.5) / height as f64 * PI).sin();
-            mean += sin * row[..width].iter().map(|c| (luminance(c) - threshold).max(0.0)).sum::<f64>() / width as f64;
+            mean += sin * row[..width].iter().map(|c| (self.luminance(c) - threshold).max(0.0)).sum::<f64>() / width as f64;
             weight += sin;
         }
         mean / weight
@@ -138,8 +177,8 @@ impl LightTables {
             columns
                 .iter()
                 .map(|&(i, fx)| {
-                    let upper = luminance(&a[i]) * (1.0 - fx) + luminance(&a[i + 1]) * fx;
-                    let lower = luminance(&b[i]) * (1.0 - fx) + luminance(&b[i + 1]) * fx;
+                    let upper = self.luminance(&a[i]) * (1.0 - fx) + self.luminance(&a[i + 1]) * fx;
+                    let lower = self.luminance(&b[i]) * (1.0 - fx) + self.luminance(&b[i + 1]) * fx;
                     (upper * (1.0 - fy) + lower * fy - threshold).max(0.0)
                 })
                 .collect()
@@ -169,11 +208,6 @@ impl LightTables {
     }
 }
 
-/// Luminance of a texel.
-fn luminance(c: &[f32; 4]) -> f64 {
-    LUMINANCE[0] * f64::from(c[0]) + LUMINANCE[1] * f64::from(c[1]) + LUMINANCE[2] * f64::from(c[2])
-}
-
 /// [`Light::eval`].
 struct Eval<'a, L> {
     light: &'a Light,
@@ -188,6 +222,23 @@ impl<L: Lanes> Routine<L> for Eval<'_, L> {
     }
 }
 
+/// [`Light::eval_facing`].
+struct EvalFacing<'a, L> {
+    light: &'a Light,
+    facing: &'a Facing<L>,
+    direction: V3<L>,
+}
+
+impl<L: Lanes> Routine<L> for EvalFacing<'_, L> {
+    type Output = (Rgb<L>, L);
+    #[inline(always)]
+    fn run(self) -> (Rgb<L>, L) {
+        let (u, v, sin_theta) = self.light.place(self.direction);
+        let density = if let Some(table) = self.light.tables.irradiance() { table.density(self.facing, u, v) } else { L::zero() };
+        (self.light.radiance_at(u, v), density / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN))))
+    }
+}
+
 /// [`Light::draw`].
 struct Draw<'a, L> {
     light: &'a Light,
@@ -199,7 +250,31 @@ impl<L: Lanes> Routine<L> for Draw<'_, L> {
     type Output = LightSample<L>;
     #[inline(always)]
     fn run(self) -> LightSample<L> {
-        self.light.draw_inline(self.table, self.u)
+        // No closures around lanes: they are not always inlined into code for wider instructions.
+        let [u0, u1] = self.u;
+        let (u, v, density) = if let Some(table) = self.table { table.sample(u0, u1) } else { (u0, u1, L::zero()) };
+        self.light.towards(u, v, density)
+    }
+}
+
+/// [`Light::sample_facing`].
+struct DrawFacing<'a, L> {
+    light: &'a Light,
+    facing: &'a Facing<L>,
+    u: [L; 3],
+}
+
+impl<L: Lanes> Routine<L> for DrawFacing<'_, L> {
+    type Output = LightSample<L>;
+    #[inline(always)]
+    fn run(self) -> LightSample<L> {
+        let [u0, u1, _] = self.u;
+        let (u, v, density) = if let Some(table) = self.light.tables.irradiance() {
+            table.sample(self.facing, self.u)
+        } else {
+            (u0, u1, L::zero())
+        };
+        self.light.towards(u, v, density)
     }
 }
 
@@ -229,15 +304,55 @@ impl Light {
 
     #[inline(always)]
     fn eval_inline<L: Lanes>(&self, direction: V3<L>) -> (Rgb<L>, L) {
+        let (u, v, sin_theta) = self.place(direction);
+        let pdf = if self.is_sampled() { self.density_at(u, v, sin_theta) } else { L::zero() };
+        (self.radiance_at(u, v), pdf)
+    }
+
+    /// A direction in the axes of the map.
+    #[inline(always)]
+    fn in_map<L: Lanes>(&self, w: V3<L>) -> V3<L> {
         let (s, c) = (L::of(f64::from(self.sin)), L::of(f64::from(self.cos)));
-        let (x, y, z) = (c * direction.x - s * direction.z, direction.y, s * direction.x + c * direction.z);
+        V3::new(c * w.x - s * w.z, w.y, s * w.x + c * w.z)
+    }
+
+    /// Where the map shows a unit world direction, `[0, 1]`, and the sine of the polar angle.
+    #[inline(always)]
+    fn place<L: Lanes>(&self, direction: V3<L>) -> (L, L, L) {
+        let V3 { x, y, z } = self.in_map(direction);
         let turn = atan2(x, -z) * L::of(1.0 / TAU);
         let u = L::select(turn.lt(L::zero()), turn + L::one(), turn);
         let sin_theta = (x * x + z * z).sqrt();
         // The angle from both components keeps its digits near the poles, where the arc cosine does not.
         let v = atan2(sin_theta, y) * L::of(1.0 / PI);
-        let pdf = if self.is_sampled() { self.density_at(u, v, sin_theta) } else { L::zero() };
-        (self.radiance_at(u, v), pdf)
+        (u, v, sin_theta)
+    }
+
+    /// Makes the tables for surfaces that scatter evenly, and whether there is any use in them: not where all directions are as bright.
+    pub(super) fn lights_evenly(&self) -> bool {
+        self.is_sampled() && self.tables.irradiance().is_some()
+    }
+
+    /// What a surface with a unit normal is lit by; `None` in the dark.
+    #[inline(always)]
+    pub(super) fn facing<L: Lanes>(&self, n: V3<L>) -> Option<Facing<L>> {
+        if !self.is_sampled() {
+            return None;
+        }
+        let irradiance = self.tables.irradiance()?;
+        Some(irradiance.facing(self.in_map(n)))
+    }
+
+    /// Draws a direction in proportion to radiance times cosine, from three numbers in `[0, 1)`. Nothing that lights a surface has density 0.
+    #[inline(always)]
+    pub(super) fn sample_facing<L: Lanes>(&self, facing: &Facing<L>, u: [L; 3]) -> LightSample<L> {
+        L::call(DrawFacing { light: self, facing, u })
+    }
+
+    /// Radiance of a unit world direction, and the density (1/sr) of [`Light::sample_facing`] there.
+    #[inline(always)]
+    pub(super) fn eval_facing<L: Lanes>(&self, facing: &Facing<L>, direction: V3<L>) -> (Rgb<L>, L) {
+        L::call(EvalFacing { light: self, facing, direction })
     }
 
     /// Draws a direction from two numbers in `[0, 1)`. Density 0 if light sampling is left out.
@@ -274,10 +389,9 @@ impl Light {
         L::call(Draw { light: self, table, u: [u0, u1] })
     }
 
+    /// The direction that the map shows at a place, with its radiance; `density` is over the map.
     #[inline(always)]
-    fn draw_inline<L: Lanes>(&self, table: Option<&Distribution>, [u0, u1]: [L; 2]) -> LightSample<L> {
-        // No closures around lanes: they are not always inlined into code for wider instructions.
-        let (u, v, density) = if let Some(table) = table { table.sample(u0, u1) } else { (u0, u1, L::zero()) };
+    fn towards<L: Lanes>(&self, u: L, v: L, density: L) -> LightSample<L> {
         let (sin_phi, cos_phi) = sin_cos_turn(u);
         let (sin_theta, cos_theta) = sin_cos_turn(v * L::of(0.5));
         let (x, y, z) = (sin_theta * sin_phi, cos_theta, -(sin_theta * cos_phi));
@@ -313,15 +427,20 @@ impl Light {
             let upper = j * (width + 1) + i;
             let lower = (j + 1).min(height - 1) * (width + 1) + i;
             for (tap, at) in taps.iter_mut().zip([upper, upper + 1, lower, lower + 1]) {
-                tap[lane] = 4 * at;
+                tap[lane] = 2 * at;
             }
         }
         let texels = self.tables.texels.as_flattened();
-        let scale = L::of(f64::from(self.scale));
+        let mut corners = [[L::zero(); 3]; 4];
+        for (corner, tap) in corners.iter_mut().zip(&taps) {
+            let (r, g) = L::gather_at(texels, tap).halves();
+            let (b, _) = L::gather_at(&texels[1..], tap).halves();
+            *corner = [r, g, b];
+        }
+        let (halves, scale) = (L::of(HALVES), L::of((f64::from(self.scale) * self.tables.unit).min(SCALE_MAX)));
         let mut channels = [L::zero(); 3];
         for (k, channel) in channels.iter_mut().enumerate() {
-            let [a, b] = [L::gather_at(&texels[k..], &taps[0]), L::gather_at(&texels[k..], &taps[1])];
-            let [c, d] = [L::gather_at(&texels[k..], &taps[2]), L::gather_at(&texels[k..], &taps[3])];
+            let [a, b, c, d] = [corners[0][k] * halves, corners[1][k] * halves, corners[2][k] * halves, corners[3][k] * halves];
             *channel = (a.lerp(b, fx).lerp(c.lerp(d, fx), fy) * scale).min(L::of(EMISSION_MAX));
         }
         Rgb(channels)
@@ -368,132 +487,4 @@ fn atan2<L: Lanes>(y: L, x: L) -> L {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::path::sampler::mix;
-    use glam::Vec3;
-
-    fn map(width: usize, height: usize, f: impl Fn(f32, f32) -> f32) -> Arc<Environment> {
-        let texels = (0..width * height)
-            .map(|i| [f(((i % width) as f32 + 0.5) / width as f32, ((i / width) as f32 + 0.5) / height as f32); 3])
-            .collect();
-        Arc::new(Environment { name: "test".to_owned(), width, height, texels })
-    }
-
-    fn light(map: &Arc<Environment>, rotation_deg: f32) -> Light {
-        let tables = Arc::new(LightTables::new(map));
-        Light::new(&EnvironmentLight { map: map.clone(), rotation_deg, scale: 1.0 }, tables)
-    }
-
-    fn maps() -> Vec<Arc<Environment>> {
-        vec![
-            map(64, 32, |u, v| if (u - 0.3).abs() < 0.02 && (v - 0.2).abs() < 0.03 { 500.0 } else { 0.5 + v }),
-            map(1024, 512, |u, v| 1.0 + (u * 20.0).sin() * (v * 9.0).cos()),
-            map(2048, 1024, |u, v| if (u - 0.7).abs() < 0.001 && (v - 0.5).abs() < 0.001 { 6000.0 } else { 0.1 }),
-        ]
-    }
-
-    #[test]
-    fn density_integrates_to_one() {
-        for map in maps() {
-            let light = light(&map, 30.0);
-            // One point per cell is exact: density times sine is constant in a cell.
-            let (rows, columns) = (512usize, 1024usize);
-            let mut sum = 0.0;
-            for j in 0..rows {
-                let theta = (j as f64 + 0.5) / rows as f64 * PI;
-                for i in 0..columns {
-                    let phi = (i as f64 + 0.5) / columns as f64 * TAU;
-                    let d = V3::new((theta.sin() * phi.sin()) as f32, theta.cos() as f32, (-theta.sin() * phi.cos()) as f32);
-                    sum += f64::from(light.eval(d).1) * theta.sin();
-                }
-            }
-            let integral = sum * 2.0 * PI * PI / (rows * columns) as f64;
-            assert!((integral - 1.0).abs() < 1e-3, "{}x{}: {integral}", map.width, map.height);
-        }
-    }
-
-    #[test]
-    fn drawn_directions_follow_the_density() {
-        const N: u32 = 200_000;
-        for map in maps() {
-            let light = light(&map, 45.0);
-            let peak = map.texels.iter().fold(0.0f32, |m, t| m.max(t[0]));
-            let (rows, columns) = (16usize, 32usize);
-            let mut counts = vec![0.0f64; rows * columns];
-            let mut reciprocal = 0.0;
-            for i in 0..N {
-                let (a, b) = (mix(2 * i + 1), mix(2 * i + 2));
-                let s = light.sample((a >> 8) as f32 / 16_777_216.0, (b >> 8) as f32 / 16_777_216.0);
-                let d = Vec3::new(s.direction.x, s.direction.y, s.direction.z);
-                assert!((d.length() - 1.0).abs() < 1e-5);
-                let (radiance, pdf) = light.eval(s.direction);
-                // Directions are rounded, so a few land in the next cell.
-                reciprocal += f64::from(u8::from((pdf / s.pdf - 1.0).abs() > 1e-2));
-                assert!(s.pdf > 0.0);
-                assert!((radiance.0[0] - s.radiance.0[0]).abs() <= 0.05 * s.radiance.0[0] + 2e-3 * peak);
-                let uv = Environment::uv(d);
-                let bin =
-                    ((uv.y * rows as f32) as usize).min(rows - 1) * columns + ((uv.x * columns as f32) as usize).min(columns - 1);
-                counts[bin] += 1.0;
-            }
-            assert!(reciprocal / f64::from(N) < 5e-3, "{reciprocal}");
-            let fine = 32usize;
-            let (mut chi2, mut freedom) = (0.0, 0.0);
-            for (bin, count) in counts.iter().enumerate() {
-                let mut expected = 0.0;
-                for j in 0..fine {
-                    let theta = ((bin / columns * fine + j) as f64 + 0.5) / (rows * fine) as f64 * PI;
-                    for i in 0..fine {
-                        let phi = ((bin % columns * fine + i) as f64 + 0.5) / (columns * fine) as f64 * TAU;
-                        let d = V3::new((theta.sin() * phi.sin()) as f32, theta.cos() as f32, (-theta.sin() * phi.cos()) as f32);
-                        expected += f64::from(light.eval(d).1) * theta.sin();
-                    }
-                }
-                expected *= 2.0 * PI * PI / (rows * columns * fine * fine) as f64 * f64::from(N);
-                if expected > 10.0 {
-                    chi2 += (count - expected).powi(2) / expected;
-                    freedom += 1.0;
-                }
-            }
-            if freedom > 1.0 {
-                // Four standard deviations, and some room for rounding at the borders of bright cells.
-                assert!(chi2 < freedom + 4.0 * (2.0 * freedom).sqrt() + 10.0, "{chi2} for {freedom} bins");
-            }
-        }
-    }
-
-    #[test]
-    fn a_constant_map_is_not_sampled() {
-        assert!(!light(&map(64, 32, |_, _| 0.7), 0.0).is_sampled());
-        assert!(!light(&map(64, 32, |_, _| 0.0), 0.0).is_sampled());
-    }
-
-    #[test]
-    fn radiance_is_that_of_the_scene() {
-        let map = map(128, 64, |u, v| u + 3.0 * v);
-        let scene = EnvironmentLight { map: map.clone(), rotation_deg: 40.0, scale: 1.0 };
-        let light = light(&map, 40.0);
-        for i in 0..2000u32 {
-            let z = 1.0 - 2.0 * (i as f32 + 0.5) / 2000.0;
-            let (s, c) = (i as f32 * 2.4).sin_cos();
-            let d = Vec3::new(c * (1.0 - z * z).sqrt(), z, s * (1.0 - z * z).sqrt());
-            let expected = scene.radiance(d);
-            let got = Vec3::from(light.eval(V3::new(d.x, d.y, d.z)).0.0);
-            assert!(got.distance(expected) < 2e-3, "{d}: {got} {expected}");
-        }
-    }
-
-    #[test]
-    fn angles_agree_with_the_library() {
-        for i in 0..10_000 {
-            let turn = f64::from(i) / 10_000.0;
-            let (s, c) = sin_cos_turn(turn as f32);
-            let (es, ec) = (f64::from(turn as f32) * TAU).sin_cos();
-            assert!((f64::from(s) - es).abs() < 5e-7 && (f64::from(c) - ec).abs() < 5e-7, "{turn}: {s} {es} {c} {ec}");
-            let angle = f64::from(atan2(es as f32, ec as f32));
-            assert!((angle - f64::from(es as f32).atan2(f64::from(ec as f32))).abs() < 6e-7, "{turn}");
-        }
-        assert_eq!([atan2(0.0f32, 0.0), atan2(0.0f32, 1.0)], [0.0, 0.0]);
-    }
-}
+mod tests;

@@ -118,8 +118,8 @@ fn photons_bring_what_paths_find() {
         let scene = ball(material);
         let with = Prepared::new(&scene, None);
         assert!(with.has_photons(), "{what}");
-        let photons = picture(&with, 256, 1);
-        assert_same(&photons, &picture(&with.without_photons(), 512, 2), 0.01, what);
+        let photons = picture(&with, 1024, 1);
+        assert_same(&photons, &picture(&with.without_photons(), 2048, 2), 0.01, what);
     }
 }
 
@@ -154,6 +154,17 @@ fn candidates_bring_what_one_direction_brings() {
         let candidates = picture(&prepared, 128, 3);
         prepared.resamples = false;
         assert_same(&candidates, &picture(&prepared, 256, 4), 0.01, what);
+    }
+}
+
+#[test]
+fn even_directions_bring_what_one_direction_brings() {
+    for (what, material) in [("dark", matt(0.2)), ("bright", matt(0.9))] {
+        let mut prepared = Prepared::new(&ball(material), None);
+        assert_eq!(prepared.surfaces[0].connection, direct::Connection::Matt, "{what}");
+        let even = picture(&prepared, 128, 7);
+        prepared.resamples = false;
+        assert_same(&even, &picture(&prepared, 256, 8), 0.01, what);
     }
 }
 

@@ -8,7 +8,7 @@ use super::shade::{add, lane_of, load};
 use crate::lanes::{Kernel, Lanes, Mask};
 use crate::vector::{Rgb, V3};
 
-/// Adds the environment's light to the paths of `list`.
+/// Adds the environment's light to the paths of `list`, none of which connections have brought all light to.
 pub(super) struct Miss<'a> {
     pub prepared: &'a Prepared,
     pub list: &'a [u32],
@@ -33,8 +33,6 @@ impl Kernel for Miss<'_> {
             let pdf = L::gather_at(&paths.pdf, &id);
             // Density 0: a camera ray or a delta lobe, which light sampling cannot replace.
             let weight = L::select(pdf.gt(L::zero()), pdf / (pdf + light_pdf).max(L::of(1e-30)), L::one());
-            let is_lit = <L::Mask as Mask>::from_fn(|i| paths.is_lit[id[i]]);
-            let weight = L::select(is_lit, L::zero(), weight);
             // Nothing arrives through an absorbing medium without end.
             let sigma = Rgb(load::<L>(&paths.sigma_a, &id)) + Rgb(load(&paths.sigma_s, &id));
             let passage = sigma.map(|s| L::select(s.gt(L::zero()), L::zero(), L::one()));

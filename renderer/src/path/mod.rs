@@ -24,6 +24,7 @@ mod film;
 mod frame;
 mod geometry;
 mod inside;
+mod irradiance;
 mod light;
 #[cfg(test)]
 mod light_tests;

@@ -32,6 +32,8 @@ pub struct Prepared {
     pub(super) camera_medium: CameraMedium,
     /// Whether any body scatters.
     pub(super) has_scattering: bool,
+    /// Whether any body lets light through that it bends.
+    pub(super) refracts: bool,
     /// Whether any material disperses.
     pub(super) has_dispersion: bool,
     /// How each object is connected to the light from inside; none where it is not.
@@ -212,6 +214,9 @@ impl Prepared {
         if caustics.is_some() {
             surfaces.iter_mut().zip(roles).for_each(|(surface, role)| surface.role = role);
         }
+        if surfaces.iter().any(|surface| surface.connection.is_even(surface.lobes)) {
+            light.lights_evenly();
+        }
         let passages: Vec<_> = surfaces.iter().map(Passage::of).collect();
         let passage_of_object = surface_of_object.iter().map(|s| passages[*s as usize]).collect();
         Self {
@@ -227,6 +232,7 @@ impl Prepared {
             max_bounces: scene.max_bounces,
             camera_medium,
             has_scattering: has(Lobe::scattering),
+            refracts: has(Lobe::transmission),
             has_dispersion: has(Lobe::dispersion),
             passage_of_object,
             radius_of_object: scene.objects.iter().map(radius).collect(),

@@ -24,6 +24,10 @@ use glam::Vec3;
 
 /// Scattering events before roulette may end a path. Earlier roulette costs more noise than it saves time, glass above all.
 pub(super) const ROULETTE_START: u32 = 8;
+/// The same where connections bring all direct light, so that what goes on looks for the rest.
+const ROULETTE_START_LIT: u32 = 1;
+/// Weight from which such paths go on in any case, over 1.
+const WORTH_LIT: f64 = 4.0;
 
 /// Shades the paths of `list`, all on `surface`. `vertex` counts the interfaces that each of them met before.
 pub(super) struct Shade<'a> {
@@ -143,7 +147,8 @@ impl Shade<'_> {
         let is_dispersing = optics.dispersion.gt(L::zero());
         // Those that come from a collision have been connected by it.
         let is_steep = frame.local(wo).z.le(L::of(-COS_INSIDE_MIN));
-        let is_connected = <L::Mask as Mask>::from_fn(|i| self.paths.is_connected[id[i]]) & is_steep & !is_front;
+        let scatters = lobes.has(Lobe::scattering);
+        let is_connected = <L::Mask as Mask>::from_fn(|i| scatters && self.paths.is_connected[id[i]]) & is_steep & !is_front;
         let mut here = None;
         if let Some(bsdf) = &bsdf {
             let frame = &frame;
@@ -206,9 +211,10 @@ impl Shade<'_> {
             }
         }
         let mut is_alive = is_valid & is_sound & is_consistent & throughput.max_channel().gt(zero);
-        let may_end = <L::Mask as Mask>::from_fn(|i| self.paths.bounces[id[i]] >= ROULETTE_START);
+        let (start, worth) = self.roulette();
+        let may_end = <L::Mask as Mask>::from_fn(|i| self.paths.bounces[id[i]] >= start);
         if may_end.any() {
-            let survival = L::select(may_end, throughput.max_channel().min(L::one()), L::one());
+            let survival = L::select(may_end, (throughput.max_channel() * L::of(worth)).min(L::one()), L::one());
             is_alive = is_alive & roulette.lt(survival);
             throughput = throughput.scale(L::one() / survival.max(L::of(1e-30)));
         }
@@ -224,6 +230,14 @@ impl Shade<'_> {
             }
         }
         go.is_alive = go.is_alive | is_alive;
+    }
+
+    /// Scattering events before roulette may end a path, and the factor from weights to odds of survival.
+    #[inline(always)]
+    fn roulette(&self) -> (u32, f64) {
+        // Through a refracting body a path may find light that no connection brings.
+        let is_lit = self.brings_all() && !self.prepared.refracts;
+        if is_lit { (ROULETTE_START_LIT, WORTH_LIT) } else { (ROULETTE_START, 1.0) }
     }
 
     /// Stores where the paths go on.
@@ -242,7 +256,7 @@ impl Shade<'_> {
         let is_scattering = sigma_s.max_channel().gt(L::zero());
         let outwards = go.direction.dot(at.ng);
         let side = L::select(outwards.gt(L::zero()), L::one(), -L::one());
-        let is_resampled = self.is_resampled();
+        let is_lit = self.brings_all();
         for (i, &id) in id.iter().enumerate() {
             if !go.is_alive.lane(i) {
                 continue;
@@ -265,8 +279,8 @@ impl Shade<'_> {
             }
             self.paths.is_from_receiver[id] &= !is_scattering.lane(i);
             if !is_passed.lane(i) {
-                // What candidates have stood for the path must not find once more.
-                self.paths.is_lit[id] = is_resampled && go.pdf.lane(i) > 0.0;
+                // What connections have brought the path must not find once more.
+                self.paths.is_lit[id] = is_lit && go.pdf.lane(i) > 0.0;
                 self.paths.is_cold[id] = self.surface.role == Role::Caster;
             }
             self.paths.is_cold[id] &= self.paths.is_from_receiver[id];

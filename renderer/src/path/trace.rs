@@ -33,7 +33,10 @@ pub(super) fn trace(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: 
     for &i in active.iter() {
         let hit = &paths.hits[i as usize];
         if hit.is_miss() {
-            missed.push(i);
+            // Connections may have brought all that there is.
+            if !paths.is_lit[i as usize] {
+                missed.push(i);
+            }
         } else {
             let object = prepared.geometry.triangles[hit.triangle as usize][3];
             lists[prepared.surface_of_object[object as usize] as usize].push(i);
