@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::path::sampler::mix;
+use burnish_assets::Environment;
 use glam::Vec3;
 
 fn map(width: usize, height: usize, f: impl Fn(f32, f32) -> f32) -> Arc<Environment> {
