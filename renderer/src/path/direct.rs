@@ -4,8 +4,11 @@
 //! heuristic). On what the camera sees first, where most of the error of a picture comes from, several directions are drawn from both, and
 //! one of them is connected in proportion to what each would bring: resampled importance sampling (Talbot et al. 2005) with the same
 //! weights. It costs the rays of one connection, and where nothing stands in the way it is as good as all of the candidates, which are
-//! stratified among themselves. What refracts gains nothing by it, since its light comes through another surface, nor does what is matt,
-//! where shadows make most of the noise. Surfaces that only mirror or refract sharply are not connected at all.
+//! stratified among themselves. What refracts gains nothing by it, since its light comes through another surface. Surfaces that only mirror
+//! or refract sharply are not connected at all.
+//!
+//! Matt surfaces draw the light in proportion to what it brings them (`irradiance`): nothing needs to be weighed, and shadows are the noise that is
+//! left. Where the camera sees them first, they get two directions, since a shadow ray costs less than the rest of a sample.
 
 use super::caustics::Role;
 use super::sampler::{Group, Words, draw, per_lane};
@@ -37,12 +40,6 @@ struct Reservoir<L: Lanes> {
     u: L,
 }
 
-/// Sample numbers of the `j`-th of `n` (a power of two) numbers of every sample: those of consecutive samples form one sequence.
-#[inline(always)]
-fn numbers(indices: &Words, n: u32, j: u32) -> Words {
-    per_lane(0, |i| indices[i].wrapping_mul(n).wrapping_add(j))
-}
-
 impl<L: Lanes> Reservoir<L> {
     #[inline(always)]
     fn new(u: L) -> Self {
@@ -66,6 +63,12 @@ impl<L: Lanes> Reservoir<L> {
         self.light = Rgb::select(is_chosen, light, self.light);
         self.direction = V3::select(is_chosen, direction, self.direction);
     }
+}
+
+/// Sample numbers of the `j`-th of `n` (a power of two) numbers of every sample: those of consecutive samples form one sequence.
+#[inline(always)]
+fn numbers(indices: &Words, n: u32, j: u32) -> Words {
+    per_lane(0, |i| indices[i].wrapping_mul(n).wrapping_add(j))
 }
 
 /// How a surface is connected to the light.
@@ -97,9 +100,7 @@ impl Connection {
         }
         if has_gloss && !has(Lobe::transmission) { Self::Candidates } else { Self::One }
     }
-}
 
-impl Connection {
     /// Whether directions are drawn for the normal of a surface with these lobes.
     pub(super) fn is_even(self, lobes: LobeSet) -> bool {
         self == Self::Matt || (self == Self::Candidates && lobes.has(Lobe::diffuse))

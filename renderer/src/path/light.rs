@@ -81,7 +81,7 @@ impl<L: Lanes> Routine<L> for EvalFacing<'_, L> {
     fn run(self) -> (Rgb<L>, L) {
         let (u, v, sin_theta) = self.light.place(self.direction);
         let density = if let Some(table) = self.light.tables.irradiance() { table.density(self.facing, u, v) } else { L::zero() };
-        (self.light.radiance_at(u, v), density / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN))))
+        (self.light.radiance_at(u, v), over_sphere(density, sin_theta))
     }
 }
 
@@ -151,8 +151,11 @@ impl Light {
     #[inline(always)]
     fn eval_inline<L: Lanes>(&self, direction: V3<L>) -> (Rgb<L>, L) {
         let (u, v, sin_theta) = self.place(direction);
-        let pdf = if self.is_sampled() { self.density_at(u, v, sin_theta) } else { L::zero() };
-        (self.radiance_at(u, v), pdf)
+        let density = match &self.tables.compensated {
+            Some(table) if self.is_sampled() => table.density(u, v),
+            _ => L::zero(),
+        };
+        (self.radiance_at(u, v), over_sphere(density, sin_theta))
     }
 
     /// A direction in the axes of the map.
@@ -245,14 +248,8 @@ impl Light {
         LightSample {
             direction: V3::new(c * x + s * z, y, c * z - s * x),
             radiance: self.radiance_at(u, v),
-            pdf: density / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN))),
+            pdf: over_sphere(density, sin_theta),
         }
-    }
-
-    #[inline(always)]
-    fn density_at<L: Lanes>(&self, u: L, v: L, sin_theta: L) -> L {
-        let density = if let Some(table) = &self.tables.compensated { table.density(u, v) } else { L::zero() };
-        density / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN)))
     }
 
     /// Bilinear between texel centres; wraps around in u, clamps at the poles.
@@ -291,4 +288,10 @@ impl Light {
         }
         Rgb(channels)
     }
+}
+
+/// A density over the map as one over the sphere, 1/sr.
+#[inline(always)]
+fn over_sphere<L: Lanes>(density: L, sin_theta: L) -> L {
+    density / (L::of(2.0 * PI * PI) * sin_theta.max(L::of(SIN_MIN)))
 }

@@ -170,25 +170,13 @@ impl Prepared {
         let mut sources = previous.map(|p| p.sources.clone()).unwrap_or_default();
         let same_geometry = previous.map(|p| &p.geometry).filter(|geometry| geometry.is_of(scene));
         let same_tables = previous.map(|p| p.light.tables()).filter(|tables| tables.is_of(&scene.environment.map));
-        let is_matt =
-            |object: &Object| lobes(&object.material).has(Lobe::diffuse) && !lobes(&object.material).has(Lobe::transmission);
-        let is_lit_evenly = scene.objects.iter().any(is_matt);
         // What has to be made anew is made side by side.
         let (geometry, tables) = std::thread::scope(|scope| {
-            let making = same_tables.is_none().then(|| {
-                scope.spawn(|| {
-                    let tables = LightTables::new(&scene.environment.map);
-                    if is_lit_evenly {
-                        tables.irradiance();
-                    }
-                    Arc::new(tables)
-                })
-            });
+            let tables = same_tables.cloned().ok_or_else(|| scope.spawn(|| Arc::new(LightTables::new(&scene.environment.map))));
             let geometry = same_geometry.cloned().unwrap_or_else(|| Arc::new(Geometry::new(scene, &mut sources)));
-            let made = making.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-            (geometry, made.or(same_tables.cloned()))
+            let tables = tables.unwrap_or_else(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            (geometry, tables)
         });
-        let tables = tables.unwrap_or_else(|| Arc::new(LightTables::new(&scene.environment.map)));
         let mut surfaces: Vec<Surface> = Vec::new();
         let mut surface_of_object = Vec::with_capacity(scene.objects.len());
         for (object, relief) in scene.objects.iter().zip(&geometry.reliefs) {

@@ -79,7 +79,7 @@ impl LightTables {
     }
 
     /// Tables for surfaces that scatter evenly.
-    pub(in crate::path) fn irradiance(&self) -> Option<&Irradiance> {
+    pub(super) fn irradiance(&self) -> Option<&Irradiance> {
         let make = || Irradiance::new(&self.mass_above(0.0), self.rows, self.columns);
         self.irradiance.get_or_init(make).as_ref()
     }
