@@ -19,6 +19,7 @@ pub mod live_preview;
 pub mod live_stability;
 pub mod loading;
 pub mod panels;
+pub mod parity;
 pub mod picture_file;
 pub mod scene_file;
 pub mod theme;

@@ -15,6 +15,7 @@ use crate::lanes::dispatch;
 use glam::Vec3;
 
 mod build;
+mod flat;
 mod nearest;
 mod order;
 mod packet;
@@ -22,6 +23,7 @@ mod single;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use flat::FlatTree;
 pub use nearest::Nearest;
 pub use order::Order;
 

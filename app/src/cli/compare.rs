@@ -130,7 +130,8 @@ pub fn run(arguments: &CompareArguments) -> Result<Outcome, CliError> {
     Ok(if over.is_empty() { Outcome::Done } else { Outcome::Findings })
 }
 
-fn write_heatmap(path: &Path, errors: &[f32], width: usize) -> Result<(), CliError> {
+/// Writes values per pixel as a picture.
+pub(super) fn write_heatmap(path: &Path, errors: &[f32], width: usize) -> Result<(), CliError> {
     let map = heatmap(errors, width);
     let mut bytes = Vec::new();
     // Pictures that can be read have sides far below the limit of PNG.

@@ -9,6 +9,7 @@ pub mod converge;
 pub mod features;
 mod interrupt;
 mod material_argument;
+pub mod parity;
 pub mod presets;
 mod progress_line;
 pub mod render;
@@ -27,7 +28,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["parity", "diff", "convert", "shader", "library", "turntable"];
+const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader", "library", "turntable"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -52,6 +53,8 @@ enum Command {
     Converge(Box<converge::ConvergeArguments>),
     /// Tells how far a picture is from another
     Compare(compare::CompareArguments),
+    /// Tells how far the preview is from the final view, and which property explains it
+    Parity(Box<parity::ParityArguments>),
     /// Lists, shows and searches the built-in materials
     Presets(presets::PresetsArguments),
     /// Checks material files, or all in a folder: whether they can be read, and ranges
@@ -134,7 +137,7 @@ pub fn main() -> ExitCode {
         && !Path::new(word).exists()
     {
         return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, converge, compare, presets, check, features, stability or files to open"
+            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, features, stability or files to open"
         ))));
     }
     let arguments = match Arguments::try_parse_from(words) {
@@ -151,6 +154,7 @@ pub fn main() -> ExitCode {
                 Command::Render(arguments) => render::run(&arguments),
                 Command::Converge(arguments) => converge::run(&arguments),
                 Command::Compare(arguments) => compare::run(&arguments),
+                Command::Parity(arguments) => parity::run(&arguments),
                 Command::Presets(arguments) => presets::run(&arguments),
                 Command::Check(arguments) => check::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),

@@ -14,7 +14,6 @@ use burnish_renderer::preview::{self, Preview};
 use burnish_renderer::scene::Scene;
 use burnish_renderer::tonemap::{Display, DisplayTransform};
 use clap::Args;
-use egui_wgpu::wgpu;
 use glam::Vec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -381,7 +380,8 @@ fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Mes
     let frames = arguments.spp.unwrap_or(PREVIEW_FRAMES);
     let start = Instant::now();
     // The first frame waits for everything that the window would show later.
-    preview.render(&device, &queue, width, height, 1).map_err(unusable)?;
+    preview.settle(&device, &queue).map_err(unusable)?;
+    preview.render_more(&device, &queue, width, height, display).map_err(unusable)?;
     let first_image_seconds = start.elapsed().as_secs_f64();
     let mut drawn = 1;
     let stop_reason = loop {
@@ -392,13 +392,7 @@ fn preview(arguments: &RenderArguments, loaded: &LoadedScene, messages: &mut Mes
         if arguments.time.is_some_and(|seconds| start.elapsed().as_secs_f64() >= seconds) {
             break StopReason::Time.word();
         }
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let would_refine = preview.draw(&device, &queue, &mut encoder, width, height, display);
-        queue.submit([encoder.finish()]);
-        // A slow adapter would pile up frames.
-        device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|error| CliError::unusable(format!("--view preview: {error}")))?;
+        let would_refine = preview.render_more(&device, &queue, width, height, display).map_err(unusable)?;
         drawn += 1;
         if !would_refine {
             break "converged";

@@ -65,6 +65,26 @@ impl Spectrum {
         WAVELENGTH_RANGE[0] + bin as f64 + within
     }
 
+    /// Wavelengths in the middles of `count` steps of equal probability, and the mean weights of the channels over each: they average to
+    /// white.
+    pub fn steps(&self, count: usize) -> impl Iterator<Item = [f64; 4]> + '_ {
+        const PARTS: usize = 256;
+        let mean = move |step: usize| {
+            let mut sum = [0.0; 3];
+            for part in 0..PARTS {
+                let u = (step as f64 + (part as f64 + 0.5) / PARTS as f64) / count as f64;
+                let weights = self.weights(self.wavelength(u));
+                (0..3).for_each(|c| sum[c] += f64::from(weights[c]) / PARTS as f64);
+            }
+            sum
+        };
+        let all = (0..count).map(mean).fold([0.0; 3], |sum, w| [0, 1, 2].map(|c| sum[c] + w[c] / count as f64));
+        (0..count).map(move |step| {
+            let [r, g, b] = mean(step);
+            [self.wavelength((step as f64 + 0.5) / count as f64), r / all[0], g / all[1], b / all[2]]
+        })
+    }
+
     /// Weights of red, green and blue for light of a wavelength in nanometres; they sum to 3.
     pub fn weights(&self, wavelength: f64) -> [f32; 3] {
         let bin = (wavelength - WAVELENGTH_RANGE[0]).clamp(0.0, (BINS - 1) as f64) as usize;

@@ -11,13 +11,7 @@ use std::time::Duration;
 impl Bvh {
     /// A tree over these triangles. Those without area, or with corners that are not finite, are left out.
     pub fn new(triangles: &[[Vec3; 3]]) -> Self {
-        let ids: Vec<u32> = (0..triangles.len() as u32)
-            .filter(|&i| {
-                let [a, b, c] = triangles[i as usize];
-                let area = (b - a).as_dvec3().cross((c - a).as_dvec3()).length_squared();
-                area > 0.0 && area.is_finite()
-            })
-            .collect();
+        let ids = with_area(triangles);
         if ids.is_empty() {
             return Self::default();
         }
@@ -39,6 +33,16 @@ impl Bvh {
         builder.run();
         builder.bvh
     }
+}
+
+/// Positions of the triangles that rays can meet: those with an area, and corners that are finite.
+pub(super) fn with_area(triangles: &[[Vec3; 3]]) -> Vec<u32> {
+    let has_area = |&i: &u32| {
+        let [a, b, c] = triangles[i as usize];
+        let area = (b - a).as_dvec3().cross((c - a).as_dvec3()).length_squared();
+        area > 0.0 && area.is_finite()
+    };
+    (0..triangles.len() as u32).filter(has_area).collect()
 }
 
 /// Turns the binary tree into one with eight children a node.

@@ -41,6 +41,11 @@ impl Distribution {
         Some(Self { rows, columns, marginal, conditional, density })
     }
 
+    /// Cumulative rows, cumulative columns of each row, densities: one after the other.
+    pub(super) fn flat(&self) -> Vec<f32> {
+        [&self.marginal[..], &self.conditional, &self.density].concat()
+    }
+
     /// A point `(u, v)` of the unit square from two numbers in `[0, 1)`, and its density over the square.
     #[inline(always)]
     pub(super) fn sample<L: Lanes>(&self, u0: L, u1: L) -> (L, L, L) {

@@ -6,27 +6,20 @@ use super::upload::mapped;
 use super::{Drawn, Preview};
 use crate::bsdf::Albedos;
 use crate::scene::{Object, Scene};
-use burnish_material::{Lobe, LobeSet, Material};
+use burnish_material::LobeSet;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Lobes that this renderer does not have.
-const LEFT_OUT: [Lobe; 4] = [Lobe::scattering, Lobe::dispersion, Lobe::height, Lobe::coat_normal_map];
 /// What a changed material may delay a picture: uniform isotropic ones are filled in less. Stretched ones take tens of milliseconds,
 /// several textured numbers a second or two.
 const PATIENCE: Duration = Duration::from_millis(4);
-
-/// The lobes of a material that this renderer draws.
-pub(super) fn drawn_lobes(material: &Material) -> LobeSet {
-    LEFT_OUT.iter().fold(LobeSet::of(material), |set, lobe| set.without(*lobe))
-}
 
 /// Tables of an object, if one of `made` fits.
 fn fitting<'a>(object: &Object, made: impl IntoIterator<Item = &'a Arc<Albedos>>) -> Option<Arc<Albedos>> {
     let maps = mapped(object);
     let varies = |property| maps.iter().any(|(p, _, _)| *p == property);
-    Albedos::fitting(&object.material.inputs(), drawn_lobes(&object.material), varies, made)
+    Albedos::fitting(&object.material.inputs(), LobeSet::of(&object.material), varies, made)
 }
 
 /// Tables of every object; those of `made` that fit are taken.
@@ -35,7 +28,7 @@ fn fill(objects: &[Object], mut made: Vec<Arc<Albedos>>) -> Vec<Arc<Albedos>> {
     for object in objects {
         let maps = mapped(object);
         let varies = |property| maps.iter().any(|(p, _, _)| *p == property);
-        let filled = Albedos::new(&object.material.inputs(), drawn_lobes(&object.material), varies, &made);
+        let filled = Albedos::new(&object.material.inputs(), LobeSet::of(&object.material), varies, &made);
         made.push(filled);
     }
     made.split_off(known)

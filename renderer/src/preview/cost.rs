@@ -1,6 +1,5 @@
 //! What leaving lobes out saves: the preview with more lobes than a material needs, and the time that pipelines take.
 
-use super::albedos::drawn_lobes;
 use super::device::PreviewError;
 use super::{Drawn, Preview};
 use crate::scene::Object;
@@ -8,7 +7,7 @@ use burnish_material::LobeSet;
 use std::time::{Duration, Instant};
 
 fn lobes_of(object: &Object, more: LobeSet) -> LobeSet {
-    drawn_lobes(&object.material).union(if object.is_document { more } else { LobeSet::EMPTY })
+    LobeSet::of(&object.material).union(if object.is_document { more } else { LobeSet::EMPTY })
 }
 
 impl Preview {
@@ -23,7 +22,7 @@ impl Preview {
         for drawn in &mut self.objects {
             drawn.lobes = lobes_of(&drawn.object, more);
         }
-        self.steps = 0;
+        self.restart();
     }
 
     /// Compiles what the objects need and is not there yet, and waits for it; returns how long that took.

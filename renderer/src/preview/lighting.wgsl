@@ -142,17 +142,6 @@ fn diffuse(b: Bsdf, light: vec3f) -> vec3f {
     return spread * b.below_sheen * layers * light;
 }
 
-// Direction of a normal map in tangent space, stronger or weaker by `scale`: model reference 13.
-fn scaled_normal(map: vec3f, scale: f32) -> vec3f {
-    let n = unit_or_z(map);
-    if scale > 1.0 {
-        return unit_or_z(vec3f(n.xy * scale, n.z));
-    }
-    let across = length(n.xy);
-    let angle = atan2(across, n.z) * max(scale, 0.0);
-    return vec3f(n.xy * (sin(angle) / max(across, 1e-6)), cos(angle));
-}
-
 @fragment
 fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
     let place = MapPlace(in.uv, dpdx(in.uv), dpdy(in.uv));
@@ -166,19 +155,18 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
 
     var s: Surface;
     s.position = in.position;
-    let n = unit_or_z(in.normal);
-    let t = unit_or_z(in.tangent.xyz - n * dot(n, in.tangent.xyz));
-    let b = cross(n, t) * select(1.0, -1.0, in.tangent.w < 0.0);
-    s.n = n;
-    if HAS_NORMAL_MAP {
-        let m = scaled_normal(inputs.normal, inputs.normal_scale);
-        s.n = unit_or_z(t * m.x + b * m.y + n * m.z);
-    }
     // An open sheet is the same seen from behind.
     let outward = select(-1.0, 1.0, is_front);
-    s.n = s.n * outward;
-    s.t = unit_or_z(t - s.n * dot(s.n, t));
-    s.b = cross(s.n, s.t) * select(1.0, -1.0, in.tangent.w < 0.0);
+    let toward = normalize(frame.origin.xyz - s.position);
+    let smooth_n = unit_or_z(in.normal) * outward;
+    let across = cross(dpdx(in.position), dpdy(in.position));
+    let ng = select(across, -across, dot(across, smooth_n) < 0.0);
+    let span = Span(dpdx(in.position), dpdy(in.position), place.dx, place.dy);
+    let tangent = vec4f(in.tangent.xyz, in.tangent.w * outward);
+    let detail = surface_detail(inputs, object.params, rows.height, smooth_n, ng, tangent, place, span, toward, true);
+    s.n = detail.axes.n;
+    s.t = detail.axes.t;
+    s.b = detail.axes.b;
     s.self_share = in.baked_light.w;
     s.covered_a = in.covered_a;
     s.covered_b = in.covered_b;
@@ -195,11 +183,15 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
     light = light * frame.environment.z / (1.0 - bounce);
     let near_radiance = reflected_color(optics) * light * FRAC_1_PI;
 
-    let toward = normalize(frame.origin.xyz - s.position);
     var wo = to_local(s, toward);
     // Interpolated normals turn away a little before the surface does.
     wo = unit_or_z(vec3f(wo.xy, max(wo.z, 0.02)));
-    let prepared = bsdf_prepare(optics, view_new(wo));
+    var view = view_new(wo);
+    if HAS_COAT && (HAS_COAT_NORMAL_MAP || HAS_NORMAL_MAP || HAS_HEIGHT) {
+        view.has_coat_normal = true;
+        view.coat_normal = to_local(s, detail.coat);
+    }
+    let prepared = bsdf_prepare(optics, view);
     var radiance = reflections(prepared, s, near_radiance);
     if HAS_DIFFUSE || (HAS_METAL && HAS_MULTIPLE_SCATTERING) {
         radiance += diffuse(prepared, light);

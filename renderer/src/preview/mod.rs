@@ -28,10 +28,12 @@ mod bake;
 mod bake_job;
 mod cost;
 mod device;
+mod draw;
 mod environment;
 mod floor;
 mod frame;
 mod pipelines;
+mod rays;
 mod shader;
 mod take;
 mod targets;
@@ -52,12 +54,18 @@ use floor::Floor;
 use frame::{First, TAPS_MAX};
 use glam::Vec3;
 use pipelines::{PipelineKind, Pipelines};
+use rays::Rays;
 use std::sync::Arc;
 use targets::Targets;
-use upload::{FrameBlock, MeshBuffers};
+use upload::{FrameBlock, Maps, MeshBuffers, ObjectBlock};
 
-/// Pictures after which nothing visible changes any more.
+/// Pictures after which nothing visible changes any more, without rays.
 const STEPS_MAX: u32 = 64;
+/// The same beside rays, which bring the rest.
+const STEPS_BESIDE_RAYS: u32 = 16;
+
+/// What the rays take of each picture unless told otherwise, seconds.
+const PATIENCE_SECONDS: f64 = 0.012;
 
 /// The preview of one scene. Needs a device and a queue, and no window.
 #[derive(Debug)]
@@ -79,6 +87,14 @@ pub struct Preview {
     objects: Vec<Drawn>,
     baker: Baker,
     targets: Option<Targets>,
+    maps: Option<Maps>,
+    rays: Rays,
+    /// What the rays may take of each call of [`Preview::draw`], seconds.
+    patience: f64,
+    /// Seconds that a tile of the rays takes: measured, or a guess.
+    tile_seconds: f64,
+    /// Whether the picture on the display holds samples of the rays.
+    is_blended: bool,
     /// Pictures in the mean so far.
     steps: u32,
     /// The picture in the mean was drawn with a pipeline that did not fit.
@@ -125,9 +141,11 @@ struct Drawn {
     albedos: Arc<Albedos>,
     /// Where its albedos begin in the tables.
     begin: u32,
+    /// Where its maps begin in the array.
+    first_layer: u32,
     buffers: Arc<MeshBuffers>,
+    values: ObjectBlock,
     block: wgpu::Buffer,
-    maps: wgpu::TextureView,
     bind: wgpu::BindGroup,
 }
 
@@ -154,7 +172,7 @@ impl Preview {
                 .collect()
         };
         let (frame_blocks, output_blocks) = guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || {
-            (blocks("frame", size_of::<FrameBlock>()), blocks("output", 16))
+            (blocks("frame", size_of::<FrameBlock>()), blocks("output", 32))
         })?;
         let black = || upload::upload_levels(device, queue, "no floor", &[upload::black()]);
         let stage = Stage { key: Vec::new(), floor: None, radiance: black()?, light: black()? };
@@ -174,6 +192,11 @@ impl Preview {
             objects: Vec::new(),
             baker: Baker::default(),
             targets: None,
+            maps: None,
+            rays: Rays::new(device)?,
+            patience: PATIENCE_SECONDS,
+            tile_seconds: 0.0,
+            is_blended: false,
             steps: 0,
             is_provisional: false,
             more: LobeSet::EMPTY,
@@ -224,154 +247,34 @@ impl Preview {
         }
     }
 
-    fn draw_frame(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        encoder: &mut wgpu::CommandEncoder,
-        width: u32,
-        height: u32,
-        display: Display,
-    ) -> Result<bool, PreviewError> {
-        self.take_finished(device, queue)?;
-        let Some(scene) = self.scene.clone() else { return Ok(false) };
-        let limit = device.limits().max_texture_dimension_2d;
-        let (width, height) = (width.clamp(1, limit), height.clamp(1, limit));
-        if self.targets.as_ref().is_none_or(|t| (t.width, t.height) != (width, height)) {
-            self.targets = Some(Targets::new(device, width, height)?);
-            self.steps = 0;
-        }
-        self.take_baked(device, queue)?;
-
-        let mut order: Vec<usize> = (0..self.objects.len()).collect();
-        let is_cut = |d: &Drawn| d.lobes.has(burnish_material::Lobe::opacity);
-        let distance = |d: &Drawn| d.object.mesh.bounds().center().distance(scene.camera.origin);
-        order.sort_by(|&a, &b| {
-            let (a, b) = (&self.objects[a], &self.objects[b]);
-            is_cut(a).cmp(&is_cut(b)).then(if is_cut(a) {
-                distance(b).total_cmp(&distance(a))
-            } else {
-                std::cmp::Ordering::Equal
-            })
-        });
-        let mut pipelines = Vec::with_capacity(order.len());
-        let mut is_fitting = true;
-        for &i in &order {
-            let (made, fits) = self.pipelines.for_lobes(device, self.objects[i].kind(), false)?;
-            is_fitting &= fits;
-            pipelines.push(made);
-        }
-        if self.is_provisional && is_fitting {
-            self.steps = 0;
-        }
-        self.is_provisional = !is_fitting;
-
-        let Some(targets) = &self.targets else { return Ok(false) };
-        let taps = if self.steps == 0 { self.first.taps } else { u32::from(self.steps < STEPS_MAX) };
-        for tap in 0..taps {
-            let step = self.steps + tap;
-            let block = self.frame_block(&scene, width, height, step);
-            let slot = tap as usize;
-            queue.write_buffer(&self.frame_blocks[slot], 0, bytemuck::bytes_of(&block));
-            self.draw_objects(encoder, targets, slot, &order, &pipelines);
-            let weight = 1.0 / (step + 1) as f32;
-            queue.write_buffer(&self.output_blocks[slot], 0, bytemuck::cast_slice(&[weight, 0.0, 0.0, 0.0_f32]));
-            let [to, from] = [step as usize % 2, (step as usize + 1) % 2];
-            let bind = targets.bind(
-                device,
-                &self.pipelines.layouts,
-                &self.output_blocks[slot],
-                &targets.color,
-                &targets.mean_views[from],
-            );
-            screen_pass(encoder, "mean", &targets.mean_views[to], &self.pipelines.mean, &bind);
-        }
-        self.steps += taps;
-
-        let last = (self.steps as usize + 1) % 2;
-        let slot = TAPS_MAX as usize;
-        let params = [0.0, display.exposure_ev, display.transform as u32 as f32, 0.0];
-        queue.write_buffer(&self.output_blocks[slot], 0, bytemuck::cast_slice(&params));
-        let bind =
-            targets.bind(device, &self.pipelines.layouts, &self.output_blocks[slot], &targets.mean_views[last], &targets.color);
-        screen_pass(encoder, "display", &targets.display, &self.pipelines.display, &bind);
-        Ok(self.steps < STEPS_MAX || self.is_provisional || self.is_settling())
-    }
-
-    /// Takes what the baker has finished; the picture starts anew with it.
-    fn take_baked(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), PreviewError> {
-        let Some(baked) = self.baker.take() else { return Ok(()) };
-        for (mesh, vertices) in &baked.meshes {
-            for drawn in self.objects.iter().filter(|d| Arc::ptr_eq(&d.object.mesh, mesh)) {
-                queue.write_buffer(&drawn.buffers.baked, 0, bytemuck::cast_slice(vertices));
-            }
-        }
-        if let Some((light, radiance)) = baked.floor {
-            self.stage.light = upload::upload_levels(device, queue, "floor light", std::slice::from_ref(&light))?;
-            self.stage.radiance = upload::upload_levels(device, queue, "floor radiance", &radiance)?;
-            self.bind_frame(device);
-        }
-        self.steps = 0;
-        Ok(())
-    }
-
-    fn draw_objects(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &Targets,
-        slot: usize,
-        order: &[usize],
-        pipelines: &[pipelines::ObjectPipelines],
-    ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("objects"),
-            color_attachments: &[Some(color_attachment(&targets.color))],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &targets.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        let Some(frame) = self.frame_binds.get(slot) else { return };
-        pass.set_bind_group(0, frame, &[]);
-        // The background comes after what hides it and before what lets it through.
-        let mut background = Some(&self.pipelines.background);
-        let mut draw_background = |pass: &mut wgpu::RenderPass<'_>| {
-            if let Some(pipeline) = background.take() {
-                pass.set_pipeline(pipeline);
-                pass.draw(0..3, 0..1);
-            }
-        };
-        for (&i, made) in order.iter().zip(pipelines) {
-            let drawn = &self.objects[i];
-            if made.back.is_some() {
-                draw_background(&mut pass);
-            }
-            pass.set_bind_group(1, &drawn.bind, &[]);
-            pass.set_vertex_buffer(0, drawn.buffers.vertices.slice(..));
-            pass.set_vertex_buffer(1, drawn.buffers.baked.slice(..));
-            pass.set_index_buffer(drawn.buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
-            for pipeline in made.back.iter().chain([&made.front]) {
-                pass.set_pipeline(pipeline);
-                pass.draw_indexed(0..drawn.buffers.index_count, 0, 0..1);
-            }
-        }
-        draw_background(&mut pass);
-    }
-
     /// What is shown: `Rgba8Unorm`, gamma-encoded, opaque. `None` until something was drawn.
     pub fn display_view(&self) -> Option<&wgpu::TextureView> {
         self.targets.as_ref().filter(|_| self.steps > 0).map(|t| &t.display)
     }
 
-    /// Linear radiance of the mean and coverage in alpha, row by row from the top. Submit the last encoder first.
+    /// Linear radiance of what is shown and coverage in alpha, row by row from the top. Submit the last encoder first.
     pub fn read_linear(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<[f32; 4]>, PreviewError> {
         let targets = self.targets.as_ref().filter(|_| self.steps > 0).ok_or(PreviewError::NothingDrawn)?;
-        targets.read(device, queue, (self.steps as usize + 1) % 2)
+        targets.read(device, queue, self.shown())
     }
 
-    /// Draws a finished picture without a window and reads it: waits for pipelines and occlusion, then adds `frames` frames.
+    /// Samples per pixel that the rays have added.
+    pub fn ray_samples(&self) -> u32 {
+        self.rays.samples()
+    }
+
+    /// Why no rays are traced, if that is so: the picture then stays as it is drawn.
+    pub fn rays_problem(&self) -> Option<&PreviewError> {
+        self.rays.problem()
+    }
+
+    /// What the rays may take of each picture from now on, seconds; without a limit each picture adds a sample to every pixel.
+    pub fn set_patience(&mut self, seconds: f64) {
+        self.patience = seconds;
+    }
+
+    /// Draws a finished picture without a window and reads it: waits for pipelines, occlusion and the tree. The first frame is drawn alone;
+    /// each further one adds a sample of the rays.
     pub fn render(
         &mut self,
         device: &wgpu::Device,
@@ -380,23 +283,46 @@ impl Preview {
         height: u32,
         frames: u32,
     ) -> Result<Vec<[f32; 4]>, PreviewError> {
+        self.settle(device, queue)?;
+        for _ in 0..frames.max(1) {
+            if !self.render_more(device, queue, width, height, Display::default())? {
+                break;
+            }
+        }
+        self.read_linear(device, queue)
+    }
+
+    /// Waits for everything that the window would show later: tables, pipelines, occlusion.
+    pub fn settle(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), PreviewError> {
         while self.filtering.is_some() || self.filling.is_some() {
             std::thread::sleep(std::time::Duration::from_millis(2));
             self.take_finished(device, queue)?;
         }
         self.compile(device)?;
         self.baker.wait();
-        for _ in 0..frames.max(1) {
-            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("preview") });
-            let wants_more = self.draw_frame(device, queue, &mut encoder, width, height, Display::default())?;
-            queue.submit([encoder.finish()]);
-            // Without this a slow adapter would pile up frames.
-            device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| PreviewError::ReadBack(e.to_string()))?;
-            if !wants_more {
-                break;
-            }
+        Ok(())
+    }
+
+    /// Draws one more frame without a window, with a sample of the rays for every pixel after the first. Returns whether more would refine
+    /// the picture.
+    pub fn render_more(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        width: u32,
+        height: u32,
+        display: Display,
+    ) -> Result<bool, PreviewError> {
+        self.patience = f64::INFINITY;
+        if self.steps > 0 {
+            self.prepare_rays(device, queue, [width, height], true);
         }
-        self.read_linear(device, queue)
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("preview") });
+        let wants_more = self.draw_frame(device, queue, &mut encoder, width, height, display)?;
+        queue.submit([encoder.finish()]);
+        // Without this a slow adapter would pile up frames.
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| PreviewError::ReadBack(e.to_string()))?;
+        Ok(wants_more)
     }
 }
 
@@ -416,26 +342,4 @@ impl Samplers {
         let (repeat, clamp) = (wgpu::AddressMode::Repeat, wgpu::AddressMode::ClampToEdge);
         Self { sphere: make("sphere", repeat, clamp), floor: make("floor", clamp, clamp), maps: make("maps", repeat, repeat) }
     }
-}
-
-fn color_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
-    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-    wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
-}
-
-fn screen_pass(
-    encoder: &mut wgpu::CommandEncoder,
-    label: &str,
-    view: &wgpu::TextureView,
-    pipeline: &wgpu::RenderPipeline,
-    bind: &wgpu::BindGroup,
-) {
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: &[Some(color_attachment(view))],
-        ..Default::default()
-    });
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, bind, &[]);
-    pass.draw(0..3, 0..1);
 }

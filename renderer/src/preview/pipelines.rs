@@ -45,6 +45,7 @@ pub(super) struct Pipelines {
     pub layouts: Layouts,
     pub background: wgpu::RenderPipeline,
     pub mean: wgpu::RenderPipeline,
+    pub blend: wgpu::RenderPipeline,
     pub display: wgpu::RenderPipeline,
     module: wgpu::ShaderModule,
     object_layout: wgpu::PipelineLayout,
@@ -106,12 +107,14 @@ impl Pipelines {
             Some(depth_state(false, wgpu::CompareFunction::GreaterEqual)),
         )?;
         let mean = screen("mean", &output, &output_layout, ["vertex_output", "fragment_mean"], MEAN_FORMAT.into(), None)?;
+        let blend = screen("blend", &output, &output_layout, ["vertex_output", "fragment_blend"], MEAN_FORMAT.into(), None)?;
         let display =
             screen("display", &output, &output_layout, ["vertex_output", "fragment_display"], DISPLAY_FORMAT.into(), None)?;
         Ok(Self {
             layouts,
             background,
             mean,
+            blend,
             display,
             module,
             object_layout,
@@ -184,7 +187,7 @@ impl Pipelines {
 }
 
 /// Makes a shader module; a refusal names file and line.
-fn compile(device: &wgpu::Device, label: &str, pieces: &[Piece]) -> Result<wgpu::ShaderModule, PreviewError> {
+pub(super) fn compile(device: &wgpu::Device, label: &str, pieces: &[Piece]) -> Result<wgpu::ShaderModule, PreviewError> {
     guarded(
         device,
         wgpu::ErrorFilter::Validation,
@@ -315,5 +318,11 @@ fn object_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 
 fn output_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let plain = wgpu::TextureViewDimension::D2;
-    layout(device, "output", &[uniform(0, FRAGMENT), picture(1, false, plain), picture(2, false, plain)])
+    let sums = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let entries = [uniform(0, FRAGMENT), picture(1, false, plain), picture(2, false, plain), entry(3, FRAGMENT, sums)];
+    layout(device, "output", &entries)
 }

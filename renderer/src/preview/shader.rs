@@ -40,6 +40,9 @@ fn printed() -> String {
     text
 }
 
+/// Wavelengths that rays choose from.
+const SPECTRUM_STEPS: usize = 64;
+
 /// The function that puts textures in the place of values, row by row of the property table.
 fn mapped_rows() -> String {
     let mut text = "fn mapped_rows(given: MaterialRows, place: MapPlace) -> MaterialRows {\n    var rows = given;\n".to_owned();
@@ -74,14 +77,40 @@ pub(super) fn scene_pieces() -> Vec<Piece> {
     let mut pieces = twins();
     pieces.extend([
         file!("preview/frame.wgsl"),
+        file!("preview/maps.wgsl"),
         file!("preview/object.wgsl"),
         ("mapped rows", mapped_rows()),
+        file!("preview/detail.wgsl"),
         file!("preview/vertex.wgsl"),
         file!("preview/environment.wgsl"),
         file!("preview/refraction.wgsl"),
         file!("preview/lighting.wgsl"),
     ]);
     pieces
+}
+
+/// The shader that traces rays.
+pub(super) fn rays_pieces() -> Vec<Piece> {
+    let mut pieces = twins();
+    pieces.extend([
+        ("printed spectrum", printed_spectrum()),
+        file!("preview/maps.wgsl"),
+        ("mapped rows", mapped_rows()),
+        file!("preview/detail.wgsl"),
+        file!("preview/rays/scene.wgsl"),
+        file!("preview/rays/sampler.wgsl"),
+        file!("preview/rays/traverse.wgsl"),
+        file!("preview/rays/light.wgsl"),
+        file!("preview/rays/path.wgsl"),
+    ]);
+    pieces
+}
+
+/// Wavelengths of equal probability and the weights of the channels for each, which sum to white.
+fn printed_spectrum() -> String {
+    let steps = spectrum().steps(SPECTRUM_STEPS);
+    let rows = steps.map(|[nm, r, g, b]| format!("    vec4f({nm:e}, {r:e}, {g:e}, {b:e}),\n")).collect::<String>();
+    format!("const SPECTRUM: u32 = {SPECTRUM_STEPS}u;\nconst SPECTRUM_OF = array<vec4f, SPECTRUM>(\n{rows});\n")
 }
 
 /// The shader that averages frames and shows them.
@@ -187,9 +216,17 @@ mod tests {
 
     #[test]
     fn every_lobe_set_is_valid() {
-        let scene = parse(&scene_pieces());
+        for (pieces, stage, entry) in [
+            (scene_pieces(), naga::ShaderStage::Fragment, "fragment_object"),
+            (rays_pieces(), naga::ShaderStage::Compute, "trace_paths"),
+        ] {
+            every_set(&parse(&pieces), stage, entry);
+        }
+    }
+
+    fn every_set(scene: &naga::Module, stage: naga::ShaderStage, entry: &str) {
         let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
-        let info = validator.validate(&scene).expect("the scene shader is valid");
+        let info = validator.validate(scene).expect("the shader is valid");
         let mut sets = vec![LobeSet::all(), LobeSet::EMPTY];
         for (i, a) in LOBES.iter().enumerate() {
             sets.push(LobeSet::all().without(a.lobe));
@@ -199,8 +236,8 @@ mod tests {
         for set in sets {
             let constants: naga::back::PipelineConstants =
                 LOBES.iter().map(|def| (def.switch.to_owned(), f64::from(u8::from(set.has(def.lobe))))).collect();
-            let entry = Some((naga::ShaderStage::Fragment, "fragment_object"));
-            if let Err(e) = naga::back::pipeline_constants::process_overrides(&scene, &info, entry, &constants) {
+            let entry = Some((stage, entry));
+            if let Err(e) = naga::back::pipeline_constants::process_overrides(scene, &info, entry, &constants) {
                 panic!("{:?}: {e:?}", set.names(true));
             }
         }

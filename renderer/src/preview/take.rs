@@ -41,6 +41,14 @@ impl Preview {
         is_rebound |= self.take_light(device, queue, scene)?;
         let (begins, is_moved) = self.tables.hold(device, queue, &albedos)?;
         is_rebound |= is_moved;
+        if self.maps.as_ref().is_none_or(|maps| !maps.are_of(&scene.objects)) {
+            self.maps = Some(upload::Maps::new(device, queue, &scene.objects)?);
+            self.rays.unbind();
+            let Some(maps) = &self.maps else { return Ok(()) };
+            for drawn in &mut self.objects {
+                drawn.bind = bind_object(device, &self.pipelines.layouts.object, &drawn.block, &maps.view, &self.samplers.maps);
+            }
+        }
         let is_changed = self.take_objects(device, queue, scene, &albedos, &begins)?;
         let is_same_view = self.scene.as_ref().is_some_and(|old| {
             old.camera == scene.camera
@@ -48,7 +56,7 @@ impl Preview {
                 && old.environment.scale == scene.environment.scale
         });
         if is_rebound || is_changed || !is_same_view {
-            self.steps = 0;
+            self.restart();
         }
         self.scene = Some(scene.clone());
         if let (Some(light), None) = (&self.light, &self.filtering) {
@@ -56,6 +64,7 @@ impl Preview {
         }
         if is_rebound {
             self.bind_frame(device);
+            self.rays.unbind();
         }
         Ok(())
     }
@@ -139,6 +148,7 @@ impl Preview {
         let mut is_changed = self.objects.len() != scene.objects.len();
         let mut old: Vec<Option<Drawn>> = self.objects.drain(..).map(Some).collect();
         for (i, object) in scene.objects.iter().enumerate() {
+            let first_layer = self.maps.as_ref().and_then(|maps| maps.first_layers.get(i).copied()).unwrap_or(0);
             let same_mesh = |d: &Drawn| Arc::ptr_eq(&d.object.mesh, &object.mesh);
             // The same place first, then any: a list that got shorter keeps its uploads.
             let place = Some(i)
@@ -147,6 +157,7 @@ impl Preview {
             let found = place.and_then(|k| old[k].take());
             let is_same = found.as_ref().is_some_and(|d| {
                 Arc::ptr_eq(&d.object.textures, &object.textures)
+                    && d.first_layer == first_layer
                     && d.object.length_scale == object.length_scale
                     && d.begin == begins[i]
                     && Arc::ptr_eq(&d.albedos, &albedos[i])
@@ -156,7 +167,7 @@ impl Preview {
                 Some(drawn) if is_same => Drawn { object: object.clone(), ..drawn },
                 found => {
                     is_changed = true;
-                    self.upload_object(device, queue, object, (&albedos[i], begins[i]), found)?
+                    self.upload_object(device, queue, object, (&albedos[i], begins[i]), first_layer, found)?
                 }
             };
             self.objects.push(drawn);
@@ -170,40 +181,24 @@ impl Preview {
         queue: &wgpu::Queue,
         object: &Object,
         (albedos, begin): (&Arc<Albedos>, u32),
+        first_layer: u32,
         previous: Option<Drawn>,
     ) -> Result<Drawn, PreviewError> {
-        let block = upload::object_block(object, begin);
+        let values = upload::object_block(object, begin, first_layer);
         let (lobes, albedos) = (self.lobes_of(object), albedos.clone());
-        if let Some(mut drawn) = previous {
-            queue.write_buffer(&drawn.block, 0, bytemuck::bytes_of(&block));
-            let slots = |o: &Object| o.material.slots().map(|(_, s)| s.texture.clone()).collect::<Vec<_>>();
-            if !Arc::ptr_eq(&drawn.object.textures, &object.textures) || slots(&drawn.object) != slots(object) {
-                drawn.maps = upload::upload_maps(device, queue, object)?;
-                drawn.bind = self.bind_object(device, &drawn.block, &drawn.maps);
-            }
-            return Ok(Drawn { object: object.clone(), lobes, albedos, begin, ..drawn });
+        if let Some(drawn) = previous {
+            queue.write_buffer(&drawn.block, 0, bytemuck::bytes_of(&values));
+            return Ok(Drawn { object: object.clone(), lobes, albedos, begin, first_layer, values, ..drawn });
         }
         let buffers = Arc::new(upload::upload_mesh(device, &object.mesh)?);
         let block = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("object"),
-            contents: bytemuck::bytes_of(&block),
+            contents: bytemuck::bytes_of(&values),
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
-        let maps = upload::upload_maps(device, queue, object)?;
-        let bind = self.bind_object(device, &block, &maps);
-        Ok(Drawn { object: object.clone(), lobes, albedos, begin, buffers, block, maps, bind })
-    }
-
-    fn bind_object(&self, device: &wgpu::Device, block: &wgpu::Buffer, maps: &wgpu::TextureView) -> wgpu::BindGroup {
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("object"),
-            layout: &self.pipelines.layouts.object,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: block.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(maps) },
-                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&self.samplers.maps) },
-            ],
-        })
+        let maps = self.maps.as_ref().map(|maps| &maps.view).ok_or(PreviewError::NothingDrawn)?;
+        let bind = bind_object(device, &self.pipelines.layouts.object, &block, maps, &self.samplers.maps);
+        Ok(Drawn { object: object.clone(), lobes, albedos, begin, first_layer, buffers, values, block, bind })
     }
 
     pub(super) fn bind_frame(&mut self, device: &wgpu::Device) {
@@ -231,4 +226,22 @@ impl Preview {
             })
             .collect();
     }
+}
+
+fn bind_object(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    block: &wgpu::Buffer,
+    maps: &wgpu::TextureView,
+    sampler: &wgpu::Sampler,
+) -> wgpu::BindGroup {
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("object"),
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: block.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(maps) },
+            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(sampler) },
+        ],
+    })
 }

@@ -3,6 +3,9 @@
 use super::device::{PreviewError, guarded};
 use super::pipelines::{COLOR_FORMAT, DEPTH_FORMAT, DISPLAY_FORMAT, Layouts, MEAN_FORMAT};
 
+/// The place of the picture that holds the rays' samples too, beside the two means.
+pub(super) const BLENDED: usize = 2;
+
 /// Textures of one picture size.
 #[derive(Debug)]
 pub(super) struct Targets {
@@ -11,9 +14,11 @@ pub(super) struct Targets {
     /// One frame.
     pub color: wgpu::TextureView,
     pub depth: wgpu::TextureView,
-    /// Means of all frames so far: one is read while the other is written.
-    means: [wgpu::Texture; 2],
-    pub mean_views: [wgpu::TextureView; 2],
+    /// Means of all frames so far: one is read while the other is written. The third is [`BLENDED`].
+    means: [wgpu::Texture; 3],
+    pub mean_views: [wgpu::TextureView; 3],
+    /// Stands in for sums where there are none.
+    no_sums: wgpu::Buffer,
     /// What is shown.
     pub display: wgpu::TextureView,
 }
@@ -37,8 +42,14 @@ impl Targets {
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || {
             let read = wgpu::TextureUsages::TEXTURE_BINDING;
-            let means = [(); 2].map(|()| make("mean", MEAN_FORMAT, read | wgpu::TextureUsages::COPY_SRC));
-            let mean_views = [view(&means[0]), view(&means[1])];
+            let means = [(); 3].map(|()| make("mean", MEAN_FORMAT, read | wgpu::TextureUsages::COPY_SRC));
+            let mean_views = [view(&means[0]), view(&means[1]), view(&means[BLENDED])];
+            let no_sums = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("no sums"),
+                size: 16,
+                usage: wgpu::BufferUsages::STORAGE,
+                mapped_at_creation: false,
+            });
             Self {
                 width,
                 height,
@@ -46,12 +57,13 @@ impl Targets {
                 depth: view(&make("depth", DEPTH_FORMAT, wgpu::TextureUsages::empty())),
                 means,
                 mean_views,
+                no_sums,
                 display: view(&make("display", DISPLAY_FORMAT, read | wgpu::TextureUsages::COPY_SRC)),
             }
         })
     }
 
-    /// Bindings of a pass that reads `picture` and `before`.
+    /// Bindings of a pass that reads `picture`, `before` and `sums`.
     pub fn bind(
         &self,
         device: &wgpu::Device,
@@ -59,6 +71,7 @@ impl Targets {
         params: &wgpu::Buffer,
         picture: &wgpu::TextureView,
         before: &wgpu::TextureView,
+        sums: Option<&wgpu::Buffer>,
     ) -> wgpu::BindGroup {
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("output"),
@@ -67,6 +80,7 @@ impl Targets {
                 wgpu::BindGroupEntry { binding: 0, resource: params.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
                 wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(before) },
+                wgpu::BindGroupEntry { binding: 3, resource: sums.unwrap_or(&self.no_sums).as_entire_binding() },
             ],
         })
     }

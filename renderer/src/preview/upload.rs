@@ -2,11 +2,12 @@
 
 use super::device::{PreviewError, guarded};
 use super::environment::{Level, half_texels};
-use crate::scene::Object;
+use crate::scene::{Object, TextureSet};
 use burnish_assets::{Image, Mesh};
 use burnish_material::{Channel, ColorSpace, Kind, PROPERTIES, PROPERTY_COUNT, Property, TextureRef, Vary, Wrap};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::sync::Arc;
 use wgpu::util::DeviceExt;
 
 /// Textured properties at most: one layer of the map array each.
@@ -33,13 +34,13 @@ pub(super) struct FrameBlock {
     pub body: [f32; 4],
 }
 
-/// `struct Object` of `object.wgsl`.
+/// `struct Object` of `maps.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct ObjectBlock {
     pub rows: [[f32; 4]; PROPERTY_COUNT],
-    pub map_matrix: [[f32; 4]; MAPS_MAX],
-    pub map_shift: [[f32; 4]; MAPS_MAX],
+    /// Per map its matrix and its shift.
+    pub maps: [[[f32; 4]; 2]; MAPS_MAX],
     pub params: [f32; 4],
 }
 
@@ -102,30 +103,35 @@ pub(super) fn upload_mesh(device: &wgpu::Device, mesh: &Mesh) -> Result<MeshBuff
     })
 }
 
-/// The uniform block of an object whose albedos begin at a place of the tables; textures get their layers in the order of the
-/// property table.
-pub(super) fn object_block(object: &Object, albedos: u32) -> ObjectBlock {
+/// The uniform block of an object whose albedos begin at a place of the tables and whose maps begin at a layer; they follow each other in the
+/// order of the property table.
+pub(super) fn object_block(object: &Object, albedos: u32, first_layer: u32) -> ObjectBlock {
     let mut block = ObjectBlock {
         rows: [[0.0; 4]; PROPERTY_COUNT],
-        map_matrix: [[1.0, 0.0, 0.0, 1.0]; MAPS_MAX],
-        map_shift: [[0.0; 4]; MAPS_MAX],
+        maps: [[[1.0, 0.0, 0.0, 1.0], [0.0; 4]]; MAPS_MAX],
         params: [object.length_scale as f32, albedos as f32, 0.0, 0.0],
     };
+    let inputs = object.material.inputs();
+    block.params[3] = (inputs.height_scale * object.length_scale).clamp(-1e20, 1e20) as f32;
     for def in PROPERTIES {
         block.rows[def.id as usize] = object.material.value(def.id).row();
     }
     for (layer, (property, reference, _)) in mapped(object).into_iter().enumerate() {
         block.rows[property as usize][3] = layer as f32;
+        if property == Property::height {
+            block.params[2] = 1.0;
+        }
         let (sin, cos) = reference.uv_rotation.to_radians().sin_cos();
         let [sx, sy] = reference.uv_scale;
         // Counterclockwise in an image whose v grows downwards.
-        block.map_matrix[layer] = [cos * sx, sin * sy, -sin * sx, cos * sy].map(|x| x as f32);
+        let matrix = [cos * sx, sin * sy, -sin * sx, cos * sy].map(|x| x as f32);
         let wrap = match reference.wrap {
             Wrap::Repeat => 0.0,
             Wrap::Clamp => 1.0,
             Wrap::Mirror => 2.0,
         };
-        block.map_shift[layer] = [reference.uv_offset[0] as f32, reference.uv_offset[1] as f32, wrap, 0.0];
+        let layer_of_array = first_layer as f32 + layer as f32;
+        block.maps[layer] = [matrix, [reference.uv_offset[0] as f32, reference.uv_offset[1] as f32, wrap, layer_of_array]];
     }
     block
 }
@@ -170,33 +176,81 @@ fn decode(texel: [f32; 4], property: Property, reference: &TextureRef, image: &I
     }
 }
 
-/// Uploads the maps of an object as one array of textures with mip levels; a single texel if it has none.
-pub(super) fn upload_maps(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    object: &Object,
-) -> Result<wgpu::TextureView, PreviewError> {
-    let maps = mapped(object);
-    let longest = |f: fn(&Image) -> usize| maps.iter().map(|(_, _, image)| f(image)).max().unwrap_or(1).min(MAP_SIDE_MAX);
-    let (width, height) = (longest(|i| i.width), longest(|i| i.height));
-    let levels = width.max(height).ilog2() + 1;
-    let layers = maps.len().max(1) as u32;
-    let texture = texture(device, "material maps", (width, height, layers), levels)?;
-    for (layer, (property, reference, image)) in maps.iter().enumerate() {
-        let mut level = Level { width, height, texels: Vec::with_capacity(width * height) };
-        for j in 0..height {
-            for i in 0..width {
-                let (x, y) = (i * image.width / width, j * image.height / height);
-                level.texels.push(decode(image.texels[y * image.width + x], *property, reference, image));
+/// The images of a scene's materials as one array of textures with mip levels.
+#[derive(Debug)]
+pub(super) struct Maps {
+    pub view: wgpu::TextureView,
+    /// The layer that the maps of each object begin at.
+    pub first_layers: Vec<u32>,
+    /// What was uploaded: images and references by object.
+    key: Vec<MapsKey>,
+}
+
+/// Images and references of one object.
+#[derive(Debug)]
+struct MapsKey {
+    textures: Arc<TextureSet>,
+    references: Vec<(Property, TextureRef)>,
+}
+
+impl MapsKey {
+    fn of(object: &Object) -> Self {
+        let references = mapped(object).into_iter().map(|(property, reference, _)| (property, reference.clone())).collect();
+        Self { textures: object.textures.clone(), references }
+    }
+
+    fn is_of(&self, object: &Object) -> bool {
+        let references = mapped(object);
+        self.references.len() == references.len()
+            && (references.is_empty() || Arc::ptr_eq(&self.textures, &object.textures))
+            && self.references.iter().zip(references).all(|(a, b)| a.0 == b.0 && a.1 == *b.1)
+    }
+}
+
+impl Maps {
+    /// Whether these are the maps of the objects.
+    pub fn are_of(&self, objects: &[Object]) -> bool {
+        self.key.len() == objects.len() && self.key.iter().zip(objects).all(|(key, object)| key.is_of(object))
+    }
+
+    /// Uploads the maps of all objects; a single texel if there are none. Objects with the same maps share them.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, objects: &[Object]) -> Result<Self, PreviewError> {
+        let mut key: Vec<MapsKey> = Vec::new();
+        let mut first_layers = Vec::new();
+        let mut wanted = Vec::new();
+        for object in objects {
+            let same = key.iter().position(|k| !k.references.is_empty() && k.is_of(object));
+            first_layers.push(same.map_or(wanted.len() as u32, |i| first_layers[i]));
+            if same.is_none() {
+                wanted.extend(mapped(object));
+            }
+            key.push(MapsKey::of(object));
+        }
+        // Beyond what the device can hold, maps repeat the first one: nothing better is at hand, and the picture stays whole.
+        wanted.truncate(device.limits().max_texture_array_layers as usize);
+        let longest = |f: fn(&Image) -> usize| wanted.iter().map(|(_, _, image)| f(image)).max().unwrap_or(1).min(MAP_SIDE_MAX);
+        let (width, height) = (longest(|i| i.width), longest(|i| i.height));
+        let levels = width.max(height).ilog2() + 1;
+        let texture = texture(device, "material maps", (width, height, wanted.len().max(1) as u32), levels)?;
+        for (layer, (property, reference, image)) in wanted.iter().enumerate() {
+            let mut level = Level { width, height, texels: Vec::with_capacity(width * height) };
+            for j in 0..height {
+                for i in 0..width {
+                    let (x, y) = (i * image.width / width, j * image.height / height);
+                    level.texels.push(decode(image.texels[y * image.width + x], *property, reference, image));
+                }
+            }
+            for mip in 0..levels {
+                write_level(queue, &texture, mip, layer as u32, &level);
+                level = halve(&level);
             }
         }
-        for mip in 0..levels {
-            write_level(queue, &texture, mip, layer as u32, &level);
-            level = halve(&level);
-        }
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        Ok(Self { view, first_layers, key })
     }
-    Ok(texture
-        .create_view(&wgpu::TextureViewDescriptor { dimension: Some(wgpu::TextureViewDimension::D2Array), ..Default::default() }))
 }
 
 /// Half the size by plain means.
@@ -286,7 +340,6 @@ pub(super) fn chain(base: Level) -> Vec<Level> {
 mod tests {
     use super::*;
     use burnish_material::Material;
-    use std::sync::Arc;
 
     #[test]
     fn rows_follow_the_table() {
@@ -297,7 +350,7 @@ mod tests {
             is_document: true,
             length_scale: 1.0,
         };
-        let block = object_block(&object, 1024);
+        let block = object_block(&object, 1024, 0);
         assert_eq!(block.rows[Property::roughness as usize], [0.3, 0.3, 0.3, -1.0]);
         assert_eq!(block.params[1], 1024.0);
         assert_eq!(std::mem::size_of::<ObjectBlock>(), (PROPERTY_COUNT + 2 * MAPS_MAX + 1) * 16);

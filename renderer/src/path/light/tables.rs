@@ -3,6 +3,7 @@
 #![allow(clippy::needless_range_loop, reason = "one number runs over several arrays of lanes or axes")]
 
 use super::super::distribution::Distribution;
+use super::super::flat::FlatLight;
 use super::super::irradiance::{BLOCK_ROWS, Irradiance};
 use crate::lanes::Lanes;
 use burnish_assets::Environment;
@@ -111,6 +112,12 @@ impl LightTables {
             weight += sin;
         }
         mean / weight
+    }
+
+    /// The table for light sampling as one array; `None` if nothing is brighter than the mean.
+    pub(in crate::path) fn flat(&self) -> Option<FlatLight> {
+        let table = self.compensated.as_ref()?;
+        Some(FlatLight { rows: self.rows, columns: self.columns, values: table.flat() })
     }
 
     /// Whether the tables are those of this map.
