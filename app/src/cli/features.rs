@@ -206,6 +206,8 @@ fn preview_cost(loaded: &LoadedScene) -> Result<PreviewCost, PreviewError> {
         let mut preview = Preview::new(&device, &queue)?;
         preview.set_scene(&device, &queue, &loaded.scene);
         preview.set_more_lobes(more);
+        // What a value costs under the hand is the drawn picture alone.
+        preview.set_rays(false);
         let seconds = preview.compile(&device)?.as_secs_f64();
         preview.render(&device, &queue, size[0], size[1], 1)?;
         Ok((preview, seconds))

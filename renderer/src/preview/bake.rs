@@ -3,8 +3,9 @@
 //!
 //! All points share the directions of a pass, half of them chosen where the environment is bright, half evenly. So a
 //! pass has no noise, only edges, and these fade as passes add up. What is stored is the difference to an
-//! open sky over an endless floor, which the shader knows exactly. Bodies being edited count as black for the floor and
-//! as themselves for their own walls, so no value of a material makes this work anew.
+//! open sky over an endless floor, which the shader knows exactly. For the floor,
+//! bodies being edited count as black, and what white ones would add is stored beside it; for their own walls they count as themselves. So no
+//! value of a material makes this work anew.
 
 use super::bake_job::Job;
 use super::environment::{Level, Prefiltered};
@@ -32,8 +33,19 @@ pub(super) struct Baker {
 pub(super) struct Baked {
     /// One entry per vertex of each mesh that is not floor.
     pub meshes: Vec<(Arc<Mesh>, Vec<BakedVertex>)>,
-    /// Irradiance that the floor gains or loses, and the floor's radiance with its averages.
-    pub floor: Option<(Level, Vec<Level>)>,
+    /// What the floor gains or loses.
+    pub floor: Option<BakedFloor>,
+}
+
+/// Light on the floor, and the radiance with its averages that follows.
+#[derive(Clone, Debug)]
+pub(super) struct BakedFloor {
+    /// Irradiance beside black bodies, less that of the open floor.
+    pub light: Level,
+    /// What white bodies in the place of the edited ones add.
+    pub glow: Level,
+    pub radiance: Vec<Level>,
+    pub glow_radiance: Vec<Level>,
 }
 
 #[derive(Debug)]

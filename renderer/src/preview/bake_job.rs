@@ -1,6 +1,6 @@
 //! The rays of baked light: directions of a pass, what they meet, and sums that become vertices and a floor map.
 
-use super::bake::Baked;
+use super::bake::{Baked, BakedFloor};
 use super::environment::{Level, Prefiltered, solid_angle};
 use super::floor::{self, Floor, LIGHT_SIZE};
 use super::upload::BakedVertex;
@@ -90,13 +90,14 @@ impl Job {
             self.bodies.iter().flat_map(|b| b.mesh.triangles.iter().map(|t| t.map(|i| b.mesh.positions[i as usize]))).collect();
         let tree = Bvh::new(&triangles);
         let mut sums: Vec<Vec<Sums>> = self.bodies.iter().map(|b| vec![Sums::default(); b.chosen.len()]).collect();
-        let mut floor_sums = vec![Vec3::ZERO; if self.floor.is_some() { LIGHT_SIZE * LIGHT_SIZE } else { 0 }];
+        let texels = if self.floor.is_some() { LIGHT_SIZE * LIGHT_SIZE } else { 0 };
+        let (mut floor_sums, mut glow_sums) = (vec![Vec3::ZERO; texels], vec![Vec3::ZERO; texels]);
         let mut total = 0.0;
         for pass in 0..PASSES {
             let count = if pass == 0 { FIRST_DIRECTIONS } else { LATER_DIRECTIONS };
             let directions = self.directions(pass, count);
             if let Some(floor) = &self.floor
-                && !self.light_floor(floor, &tree, &directions, &mut floor_sums, is_cancelled)
+                && !self.light_floor(floor, &tree, &triangles, &directions, [&mut floor_sums, &mut glow_sums], is_cancelled)
             {
                 return;
             }
@@ -111,9 +112,12 @@ impl Job {
             let is_last = pass + 1 == PASSES;
             if is_last || (pass + 1).is_power_of_two() {
                 let meshes = self.bodies.iter().zip(&sums).map(|(b, s)| (b.mesh.clone(), b.vertices(s, total)));
-                let floor = self.floor.as_ref().zip(floor_light).map(|(floor, light)| {
-                    let radiance = floor.radiance(self.light.up, Some(&light));
-                    (light, radiance)
+                let glow = blurred(&glow_sums, total, if pass < 2 { 3 } else { 1 });
+                let floor = self.floor.as_ref().zip(floor_light).map(|(floor, light)| BakedFloor {
+                    radiance: floor.radiance(self.light.up, Some(&light)),
+                    glow_radiance: floor.radiance(Vec3::ZERO, Some(&glow)),
+                    light,
+                    glow,
                 });
                 publish(Baked { meshes: meshes.collect(), floor }, is_last);
             }
@@ -161,13 +165,26 @@ impl Job {
             .collect()
     }
 
+    /// The body that was hit.
+    fn owner(&self, hit: &Hit) -> Option<&Body> {
+        self.bodies.iter().rev().find(|b| b.first <= hit.triangle)
+    }
+
+    /// Radiance of a white body where a ray along `d` meets it: open light, less what stands around it.
+    fn light_on(&self, [a, b, c]: [Vec3; 3], d: Vec3) -> Vec3 {
+        let n = (b - a).cross(c - a).try_normalize().unwrap_or(Vec3::Y);
+        let n = if n.dot(d) > 0.0 { -n } else { n };
+        self.light.irradiance.nearest(self.environment.map_from_world(n)) * (NEIGHBOUR_LIGHT / PI)
+    }
+
     /// Adds a pass to the floor: directions that a body stands in are lost. Returns whether it was finished.
     fn light_floor(
         &self,
         floor: &Floor,
         tree: &Bvh,
+        triangles: &[[Vec3; 3]],
         directions: &[Direction],
-        sums: &mut [Vec3],
+        [sums, glow]: [&mut [Vec3]; 2],
         is_cancelled: &dyn Fn() -> bool,
     ) -> bool {
         let mut rays = Vec::with_capacity(BATCH);
@@ -184,10 +201,16 @@ impl Job {
                 what.push((texel, direction));
             }
             if rays.len() >= BATCH || texel + 1 == sums.len() {
-                let mut hits = vec![false; rays.len()];
-                tree.trace_any(&rays, &mut hits);
-                for (&(texel, x), _) in what.iter().zip(&hits).filter(|(_, hit)| **hit) {
-                    sums[texel] -= x.radiance * (x.d.y * x.weight);
+                let mut hits = vec![Hit::MISS; rays.len()];
+                tree.trace(&rays, &mut hits);
+                for (&(texel, x), hit) in what.iter().zip(&hits).filter(|(_, hit)| !hit.is_miss()) {
+                    let share = x.d.y * x.weight;
+                    sums[texel] -= x.radiance * share;
+                    let light = self.light_on(triangles[hit.triangle as usize], x.d) * share;
+                    match self.owner(hit).and_then(|body| body.albedo) {
+                        Some(albedo) => sums[texel] += albedo * light,
+                        None => glow[texel] += light,
+                    }
                 }
                 rays.clear();
                 what.clear();
@@ -262,14 +285,10 @@ impl Job {
         for (sum, y) in sums.covered.iter_mut().zip(harmonics(x.d)) {
             *sum += y * x.weight;
         }
-        let owner = self.bodies.iter().rev().find(|b| b.first <= hit.triangle);
-        match owner.and_then(|b| b.albedo.filter(|_| !Arc::ptr_eq(&b.mesh, &body.mesh))) {
+        match self.owner(hit).and_then(|b| b.albedo.filter(|_| !Arc::ptr_eq(&b.mesh, &body.mesh))) {
             Some(albedo) => {
-                let [a, b, c] = triangles[hit.triangle as usize];
-                let n = (b - a).cross(c - a).try_normalize().unwrap_or(Vec3::Y);
-                let n = if n.dot(x.d) > 0.0 { -n } else { n };
-                let open = self.light.irradiance.nearest(self.environment.map_from_world(n));
-                sums.light += albedo * open * (NEIGHBOUR_LIGHT / PI * mu * x.weight);
+                let light = self.light_on(triangles[hit.triangle as usize], x.d);
+                sums.light += albedo * light * (mu * x.weight);
             }
             None => sums.own += mu / PI * x.weight,
         }

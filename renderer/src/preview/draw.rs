@@ -37,18 +37,22 @@ impl Preview {
         let is_first = self.steps == 0;
         self.draw_mean(device, queue, encoder, [width, height])?;
         // The first picture stands alone: whoever drags a value waits for nothing else.
-        if !is_first && self.rays.wants_more() && self.prepare_rays(device, queue, [width, height], false) {
+        if !is_first && self.wants_rays() && self.prepare_rays(device, queue, [width, height], false) {
             self.trace_rays(device, queue, encoder, [width, height])?;
         }
         self.is_blended = self.rays.has_any();
         self.show(device, queue, encoder, display)?;
         let wants_drawn = self.steps < self.steps_wanted() || self.is_provisional || self.is_settling();
-        Ok(wants_drawn || self.rays.wants_more())
+        Ok(wants_drawn || self.wants_rays())
     }
 
     /// Frames after which drawing more changes nothing.
     fn steps_wanted(&self) -> u32 {
-        if self.rays.problem().is_some() { STEPS_MAX } else { STEPS_BESIDE_RAYS }
+        if self.has_rays && self.rays.problem().is_none() { STEPS_BESIDE_RAYS } else { STEPS_MAX }
+    }
+
+    fn wants_rays(&self) -> bool {
+        self.has_rays && self.rays.wants_more()
     }
 
     /// The picture is another one: nothing drawn or traced so far counts.
@@ -192,9 +196,11 @@ impl Preview {
                 queue.write_buffer(&drawn.buffers.baked, 0, bytemuck::cast_slice(vertices));
             }
         }
-        if let Some((light, radiance)) = baked.floor {
-            self.stage.light = upload::upload_levels(device, queue, "floor light", std::slice::from_ref(&light))?;
-            self.stage.radiance = upload::upload_levels(device, queue, "floor radiance", &radiance)?;
+        if let Some(floor) = baked.floor {
+            self.stage.light = upload::upload_levels(device, queue, "floor light", std::slice::from_ref(&floor.light))?;
+            self.stage.radiance = upload::upload_levels(device, queue, "floor radiance", &floor.radiance)?;
+            self.stage.glow = upload::upload_levels(device, queue, "floor glow", std::slice::from_ref(&floor.glow))?;
+            self.stage.glow_radiance = upload::upload_levels(device, queue, "floor glow radiance", &floor.glow_radiance)?;
             self.bind_frame(device);
         }
         self.steps = 0;
@@ -211,7 +217,15 @@ impl Preview {
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("objects"),
-            color_attachments: &[Some(color_attachment(&targets.color))],
+            color_attachments: &[Some(match &targets.places {
+                Some(places) => wgpu::RenderPassColorAttachment {
+                    view: places,
+                    resolve_target: Some(&targets.color),
+                    ops: wgpu::Operations { store: wgpu::StoreOp::Discard, ..color_attachment(places).ops },
+                    depth_slice: None,
+                },
+                None => color_attachment(&targets.color),
+            })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &targets.depth,
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),

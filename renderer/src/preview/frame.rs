@@ -2,7 +2,9 @@
 
 use super::Preview;
 use super::upload::FrameBlock;
+use crate::bsdf::interpret;
 use crate::scene::Scene;
+use burnish_material::LobeSet;
 use glam::{Vec2, Vec3};
 
 /// Pictures that the first frame is the mean of, at most: they stand in for anti-aliasing.
@@ -60,8 +62,25 @@ impl Preview {
             floor_open: four(light.map_or(Vec3::ZERO, |l| l.made.up), 0.0),
             samples: [first as f32, count as f32, all as f32, f32::from(u8::from(self.baker.has_result()))],
             body: four(bounds.center(), bounds.radius()),
+            sent_on: sent_on(scene, bounds.radius()),
         }
     }
+}
+
+/// Share of light that the edited objects send on where it falls on them, all ways together, and how much of it they stop at all.
+fn sent_on(scene: &Scene, radius: f32) -> [f32; 4] {
+    let Some(object) = scene.objects.iter().find(|o| o.is_document) else { return [0.0, 0.0, 0.0, 1.0] };
+    let inputs = object.material.inputs().convert(|x| x as f32);
+    let optics = interpret(&inputs, LobeSet::of(&object.material), object.length_scale as f32);
+    let f0 = 0.04 * (1.0 - optics.w_metal);
+    let color = |k: usize| {
+        let surface = optics.base_color.0[k] * (optics.w_metal + optics.w_diffuse) + f0;
+        // Through the body on a mean way; what scatters stays in the game.
+        let depth = optics.sigma_a.0[k] * radius;
+        let through = optics.w_transmission * (1.0 - f0) * optics.transmission_tint.0[k].powi(2) * (-depth.min(80.0)).exp();
+        (surface + through).clamp(0.0, 1.0)
+    };
+    [color(0), color(1), color(2), optics.opacity]
 }
 
 /// Place of a picture within the pixel, -0.5 to 0.5: its middle or a rotated grid first, then an even sequence (Roberts 2018).

@@ -23,6 +23,8 @@ struct Frame {
     samples: vec4f,
     // Sphere about the edited object.
     body: vec4f,
+    // Share of light that the edited objects send on where it falls on them; w: how much of it they stop at all.
+    sent_on: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -33,6 +35,10 @@ struct Frame {
 @group(0) @binding(5) var floor_map: texture_2d<f32>;
 @group(0) @binding(6) var floor_sampler: sampler;
 @group(0) @binding(7) var<storage, read> albedo_tables: array<f32>;
+
+// What white bodies in the place of the edited ones add to the floor's light and to its radiance.
+@group(0) @binding(8) var floor_glow: texture_2d<f32>;
+@group(0) @binding(9) var floor_glow_map: texture_2d<f32>;
 
 // Numbers that a half float holds: radiance beyond is cut, which no display shows.
 const RADIANCE_MAX: f32 = 60000.0;

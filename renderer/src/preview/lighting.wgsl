@@ -19,6 +19,8 @@ struct Surface {
     covered_a: vec4f,
     covered_b: vec4f,
     covered_c: vec4f,
+    // Angle by which mirrored directions differ across the pixel.
+    spread: f32,
 }
 
 fn to_world(s: Surface, v: vec3f) -> vec3f {
@@ -48,9 +50,10 @@ fn arriving(s: Surface, d: vec3f, angle: f32, near_radiance: vec3f) -> vec3f {
     return mix(far, near_radiance, coverage(s, d));
 }
 
-// Width in radians of the cone that one sample of density `pdf` stands for.
-fn sample_angle(pdf: f32) -> f32 {
-    return sqrt(1.0 / max(frame.samples.z * pdf, 1e-6));
+// Width in radians of the cone that one sample of density `pdf` stands for; a delta lobe's is that of the pixel.
+fn sample_angle(s: Surface, pdf: f32, is_delta: bool) -> f32 {
+    let own = select(1.0 / max(frame.samples.z * pdf, 1e-6), 0.0, is_delta || pdf <= 0.0);
+    return sqrt(own + s.spread * s.spread);
 }
 
 // Colour that light keeps when the surface sends it on, all directions together.
@@ -111,12 +114,12 @@ fn reflections(prepared: Bsdf, s: Surface, near_radiance: vec3f) -> vec3f {
             let bent = bsdf_sample(b, vec4f(choice, u.xy, 0.9999999));
             if bent.is_transmission && bent.is_valid && reflect_share < 1.0 {
                 let weight = bent.weight * (share * (1.0 - reflect_share));
-                let angle = select(sample_angle(bent.pdf), 0.0, bent.is_delta || bent.pdf <= 0.0);
+                let angle = sample_angle(s, bent.pdf, bent.is_delta);
                 radiance += weight * through_body(b.optics, s, to_world(s, bent.wi), angle, u);
             }
         }
         if drawn.is_valid && !drawn.is_transmission {
-            let angle = select(sample_angle(drawn.pdf), 0.0, drawn.is_delta || drawn.pdf <= 0.0);
+            let angle = sample_angle(s, drawn.pdf, drawn.is_delta);
             radiance += drawn.weight * (share * reflect_share) * arriving(s, to_world(s, drawn.wi), angle, near_radiance);
         }
     }
@@ -167,6 +170,8 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
     s.n = detail.axes.n;
     s.t = detail.axes.t;
     s.b = detail.axes.b;
+    let bend = dot(dpdx(smooth_n), dpdx(smooth_n)) + dot(dpdy(smooth_n), dpdy(smooth_n));
+    s.spread = min(sqrt(0.3 * bend), 0.5);
     s.self_share = in.baked_light.w;
     s.covered_a = in.covered_a;
     s.covered_b = in.covered_b;
@@ -195,6 +200,11 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
     var radiance = reflections(prepared, s, near_radiance);
     if HAS_DIFFUSE || (HAS_METAL && HAS_MULTIPLE_SCATTERING) {
         radiance += diffuse(prepared, light);
+    }
+    if HAS_SCATTERING && max_channel(optics.sigma_s) > 0.0 {
+        let behind = max(open_irradiance(-s.n), vec3f(0.0)) * frame.environment.z;
+        let lit = body_light(optics, wo.z, light, behind);
+        radiance += optics.w_transmission * optics.transmission_tint * prepared.below_coat * prepared.below_sheen * lit;
     }
     if HAS_EMISSION {
         radiance += optics.emission;

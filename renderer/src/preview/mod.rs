@@ -9,8 +9,7 @@
 //!
 //! * Bounces. Objects see the environment, the floor with its light map, and soft shapes of what is near (nine spherical
 //!   harmonics per vertex); they do not see sharp images of themselves, of the stand or of each other.
-//! * The object only darkens the floor, as a black body would: its colour does not bleed, refracting and cut-through bodies cast full
-//!   shadows, and no caustics appear. The floor about the object is a few percent too dark.
+//! * The object colours the floor as a matt body of its mean colour would; no caustics appear.
 //! * Diffuse light comes from irradiance: the coupling with the reflecting interface takes its mean over directions, which is
 //!   exact under even light and off by a few percent of the diffuse part elsewhere.
 //! * Between a body's own walls light goes to and fro as if all were diffuse and equally lit; concave metal comes out too smooth.
@@ -20,8 +19,10 @@
 //! * Opacity blends back faces, then front faces, of each object in order of distance.
 //! * The first frames average light over the share of each sample, which softens reflections of small lights; the share
 //!   shrinks as frames add up.
-//! * Left out: scattering in the body, dispersion, height, the maps of occlusion and thickness, and the normal map of the coat
-//!   (the coat follows the mapped surface).
+//! * A scattering body sends out the light of its surroundings evenly.
+//! * Left out of the drawn picture: dispersion and displacement (height maps bend normals), the maps of occlusion and thickness.
+//!
+//! Where the device can, rays bring the rest as soon as nothing changes (`rays`).
 
 mod albedos;
 mod bake;
@@ -91,6 +92,8 @@ pub struct Preview {
     rays: Rays,
     /// What the rays may take of each call of [`Preview::draw`], seconds.
     patience: f64,
+    /// Whether rays are traced at all.
+    has_rays: bool,
     /// Seconds that a tile of the rays takes: measured, or a guess.
     tile_seconds: f64,
     /// Whether the picture on the display holds samples of the rays.
@@ -131,6 +134,9 @@ struct Stage {
     radiance: wgpu::TextureView,
     /// Irradiance that the floor gains or loses.
     light: wgpu::TextureView,
+    /// What white bodies in the place of the edited ones add to both.
+    glow_radiance: wgpu::TextureView,
+    glow: wgpu::TextureView,
 }
 
 /// One object on the device.
@@ -175,7 +181,8 @@ impl Preview {
             (blocks("frame", size_of::<FrameBlock>()), blocks("output", 32))
         })?;
         let black = || upload::upload_levels(device, queue, "no floor", &[upload::black()]);
-        let stage = Stage { key: Vec::new(), floor: None, radiance: black()?, light: black()? };
+        let stage =
+            Stage { key: Vec::new(), floor: None, radiance: black()?, light: black()?, glow_radiance: black()?, glow: black()? };
         Ok(Self {
             pipelines,
             samplers: Samplers::new(device),
@@ -195,6 +202,7 @@ impl Preview {
             maps: None,
             rays: Rays::new(device)?,
             patience: PATIENCE_SECONDS,
+            has_rays: true,
             tile_seconds: 0.0,
             is_blended: false,
             steps: 0,
@@ -268,6 +276,14 @@ impl Preview {
         self.rays.problem()
     }
 
+    /// Switches rays off, or on again: without them the picture stays as it is drawn.
+    pub fn set_rays(&mut self, has_rays: bool) {
+        if has_rays != self.has_rays {
+            self.has_rays = has_rays;
+            self.restart();
+        }
+    }
+
     /// What the rays may take of each picture from now on, seconds; without a limit each picture adds a sample to every pixel.
     pub fn set_patience(&mut self, seconds: f64) {
         self.patience = seconds;
@@ -314,7 +330,7 @@ impl Preview {
         display: Display,
     ) -> Result<bool, PreviewError> {
         self.patience = f64::INFINITY;
-        if self.steps > 0 {
+        if self.steps > 0 && self.has_rays {
             self.prepare_rays(device, queue, [width, height], true);
         }
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("preview") });

@@ -14,6 +14,12 @@ pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16
 pub(super) const MEAN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 /// Format that is shown; the values are gamma-encoded already.
 pub(super) const DISPLAY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Places in a pixel where a frame is drawn; values are computed once for those that a triangle covers. A software adapter takes four times as
+/// long for four.
+pub(super) fn places(device: &wgpu::Device) -> u32 {
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 1 } else { 4 }
+}
+
 /// Depth is near / distance.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -73,31 +79,32 @@ impl Pipelines {
         let frame_only = layout_of("background", &[Some(&layouts.frame)]);
         let object_layout = layout_of("object", &[Some(&layouts.frame), Some(&layouts.object)]);
         let output_layout = layout_of("output", &[Some(&layouts.output)]);
-        let screen = |label, module: &wgpu::ShaderModule, layout, entry: [&str; 2], format, depth| {
-            guarded(device, wgpu::ErrorFilter::Validation, PreviewError::Shader, || {
-                device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                    label: Some(label),
-                    layout: Some(layout),
-                    vertex: wgpu::VertexState {
-                        module,
-                        entry_point: Some(entry[0]),
-                        compilation_options: wgpu::PipelineCompilationOptions::default(),
-                        buffers: &[],
-                    },
-                    primitive: wgpu::PrimitiveState::default(),
-                    depth_stencil: depth,
-                    multisample: wgpu::MultisampleState::default(),
-                    fragment: Some(wgpu::FragmentState {
-                        module,
-                        entry_point: Some(entry[1]),
-                        compilation_options: wgpu::PipelineCompilationOptions::default(),
-                        targets: &[Some(format)],
-                    }),
-                    multiview_mask: None,
-                    cache: None,
+        let screen =
+            |label, module: &wgpu::ShaderModule, layout, entry: [&str; 2], format, depth: Option<wgpu::DepthStencilState>| {
+                guarded(device, wgpu::ErrorFilter::Validation, PreviewError::Shader, || {
+                    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                        label: Some(label),
+                        layout: Some(layout),
+                        vertex: wgpu::VertexState {
+                            module,
+                            entry_point: Some(entry[0]),
+                            compilation_options: wgpu::PipelineCompilationOptions::default(),
+                            buffers: &[],
+                        },
+                        primitive: wgpu::PrimitiveState::default(),
+                        multisample: if depth.is_some() { multisample(device) } else { wgpu::MultisampleState::default() },
+                        depth_stencil: depth,
+                        fragment: Some(wgpu::FragmentState {
+                            module,
+                            entry_point: Some(entry[1]),
+                            compilation_options: wgpu::PipelineCompilationOptions::default(),
+                            targets: &[Some(format)],
+                        }),
+                        multiview_mask: None,
+                        cache: None,
+                    })
                 })
-            })
-        };
+            };
         let background = screen(
             "background",
             &module,
@@ -201,6 +208,10 @@ pub(super) fn compile(device: &wgpu::Device, label: &str, pieces: &[Piece]) -> R
     )
 }
 
+fn multisample(device: &wgpu::Device) -> wgpu::MultisampleState {
+    wgpu::MultisampleState { count: places(device), ..Default::default() }
+}
+
 fn depth_state(writes: bool, compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {
         format: DEPTH_FORMAT,
@@ -245,7 +256,7 @@ fn make(
             },
             primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
             depth_stencil: Some(depth_state(true, wgpu::CompareFunction::Greater)),
-            multisample: wgpu::MultisampleState::default(),
+            multisample: multisample(device),
             fragment: Some(wgpu::FragmentState {
                 module,
                 entry_point: Some("fragment_object"),
@@ -307,6 +318,8 @@ fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         picture(5, true, plain),
         sampler(6),
         entry(7, FRAGMENT, tables),
+        picture(8, true, plain),
+        picture(9, true, plain),
     ];
     layout(device, "frame", &entries)
 }

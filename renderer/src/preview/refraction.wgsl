@@ -19,7 +19,8 @@ fn through_body(o: Optics, s: Surface, d_in: vec3f, angle: f32, u: vec3f) -> vec
     for (var i = 0u; i < INNER_EVENTS; i++) {
         let length_inside = max(-2.0 * dot(p - center, d), 0.0);
         p = p + d * length_inside;
-        throughput *= exp(-min(o.sigma_a * length_inside, vec3f(80.0)));
+        // What scatters out of the way comes back as light of the body: `body_light`.
+        throughput *= exp(-min((o.sigma_a + o.sigma_s) * length_inside, vec3f(80.0)));
         var n = unit_or_z(p - center);
         let m = n;
         let cos_i = saturate(dot(d, m));
@@ -38,4 +39,23 @@ fn through_body(o: Optics, s: Surface, d_in: vec3f, angle: f32, u: vec3f) -> vec
         d = d - m * (2.0 * dot(d, m));
     }
     return radiance + throughput * open_irradiance(d) * (FRAC_1_PI * frame.environment.z);
+}
+
+// Radiance that a scattering body sends to the viewer, who sees its surface under cosine `mu`, where irradiance `here` arrives and `behind`
+// does on the far side. Light enters, spreads by the albedo of a thick body and leaves, partly after reflections at the surface from inside:
+// Christensen and Burley 2015; mean reflectance by Egan and Hilgeman 1973.
+fn body_light(o: Optics, mu: f32, here: vec3f, behind: vec3f) -> vec3f {
+    let sigma_t = o.sigma_a + o.sigma_s;
+    let share = o.sigma_s / max(sigma_t, vec3f(1e-20));
+    let root = sqrt(max(1.0 - share, vec3f(0.0)));
+    let albedo = (1.0 - root) * (1.0 - 0.139 * root) / (1.0 + 1.17 * root);
+    let eta = max(o.eta, 1.0);
+    let inner = clamp(-1.440 / (eta * eta) + 0.710 / eta + 0.668 + 0.0636 * eta, 0.0, 0.95);
+    let entering = eta * eta * (1.0 - inner);
+    let leaving = (1.0 - fresnel(mu, eta)) / (eta * eta);
+    // How far light spreads against the size of the body: what is far beyond it shines through from behind.
+    let reach = 1.0 / max(sqrt(3.0 * (1.0 - share)) * sigma_t * frame.body.w, vec3f(1e-6));
+    let light = mix(here, 0.5 * (here + behind), saturate(reach * 2.0));
+    let held = 1.0 - exp(-min(sigma_t * frame.body.w, vec3f(80.0)));
+    return light * FRAC_1_PI * held * (entering * leaving) * albedo / (1.0 - albedo * inner);
 }

@@ -93,7 +93,8 @@ impl Preview {
         };
         let radiance = upload::upload_levels(device, queue, "floor radiance", &radiance)?;
         let light = upload::upload_levels(device, queue, "floor light", &[upload::black()])?;
-        self.stage = Stage { key, floor, radiance, light };
+        let black = || upload::upload_levels(device, queue, "no glow", &[upload::black()]);
+        self.stage = Stage { key, floor, radiance, light, glow_radiance: black()?, glow: black()? };
         Ok(true)
     }
 
@@ -221,6 +222,8 @@ impl Preview {
                         view(5, &self.stage.radiance),
                         sampler(6, &self.samplers.floor),
                         wgpu::BindGroupEntry { binding: 7, resource: self.tables.buffer.as_entire_binding() },
+                        view(8, &self.stage.glow),
+                        view(9, &self.stage.glow_radiance),
                     ],
                 })
             })

@@ -1,7 +1,7 @@
 //! The textures that a picture is drawn into, and reading it back.
 
 use super::device::{PreviewError, guarded};
-use super::pipelines::{COLOR_FORMAT, DEPTH_FORMAT, DISPLAY_FORMAT, Layouts, MEAN_FORMAT};
+use super::pipelines::{COLOR_FORMAT, DEPTH_FORMAT, DISPLAY_FORMAT, Layouts, MEAN_FORMAT, places};
 
 /// The place of the picture that holds the rays' samples too, beside the two means.
 pub(super) const BLENDED: usize = 2;
@@ -13,6 +13,8 @@ pub(super) struct Targets {
     pub height: u32,
     /// One frame.
     pub color: wgpu::TextureView,
+    /// The same before the places of a pixel are averaged, if there are several.
+    pub places: Option<wgpu::TextureView>,
     pub depth: wgpu::TextureView,
     /// Means of all frames so far: one is read while the other is written. The third is [`BLENDED`].
     means: [wgpu::Texture; 3],
@@ -27,18 +29,21 @@ impl Targets {
     /// Makes textures of `width` times `height` pixels, both at least 1 and at most what the device allows.
     pub fn new(device: &wgpu::Device, width: u32, height: u32) -> Result<Self, PreviewError> {
         let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-        let make = |label, format, usage| {
+        let make_of = |label, format, usage, sample_count| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size,
                 mip_level_count: 1,
-                sample_count: 1,
+                sample_count,
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
                 view_formats: &[],
             })
         };
+        let make = |label, format, usage| make_of(label, format, usage, 1);
+        let places = places(device);
+        let nothing_else = wgpu::TextureUsages::empty();
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || {
             let read = wgpu::TextureUsages::TEXTURE_BINDING;
@@ -54,7 +59,8 @@ impl Targets {
                 width,
                 height,
                 color: view(&make("frame", COLOR_FORMAT, read)),
-                depth: view(&make("depth", DEPTH_FORMAT, wgpu::TextureUsages::empty())),
+                places: (places > 1).then(|| view(&make_of("places", COLOR_FORMAT, nothing_else, places))),
+                depth: view(&make_of("depth", DEPTH_FORMAT, nothing_else, places)),
                 means,
                 mean_views,
                 no_sums,

@@ -32,6 +32,7 @@ pub(super) struct FrameBlock {
     pub floor_open: [f32; 4],
     pub samples: [f32; 4],
     pub body: [f32; 4],
+    pub sent_on: [f32; 4],
 }
 
 /// `struct Object` of `maps.wgsl`.

@@ -15,6 +15,7 @@ struct VertexIn {
 
 struct VertexOut {
     @builtin(position) clip: vec4f,
+    // Values at a covered place of the pixel: outside of its triangle a normal may look away.
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) tangent: vec4f,
