@@ -1,22 +1,23 @@
 //! The window: one frame, in order. What commands do is in `app/actions.rs`.
 
 mod actions;
+mod pictures;
 mod screenshot;
 
 use crate::command::{Command, Menu};
 use crate::dialogs::{Dialogs, SystemDialogs};
 use crate::editor::{Document, Editor, ViewMode};
 use crate::history::History;
+use crate::live_difference::LiveDifference;
 use crate::live_final::LiveFinal;
-use crate::live_preview::{LivePreview, REST};
+use crate::live_preview::LivePreview;
 use crate::live_stability::LiveStability;
 use crate::loading::{Job, Loader};
-use crate::panels::chart::{self, ErrorCurve};
 use crate::panels::messages::Messages;
 use crate::panels::presets::PresetPanel;
 use crate::panels::properties::PropertyPanel;
-use crate::panels::status::{self, Status};
-use crate::panels::viewport::{self, Layout, Picture, Wish};
+use crate::panels::status;
+use crate::panels::viewport::{self, Wish};
 use crate::panels::{hold, stability};
 use crate::theme;
 use crate::widgets::value_edit::RowAction;
@@ -28,7 +29,7 @@ use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use screenshot::Screenshot;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What waits for an answer about unsaved changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +61,7 @@ pub struct App {
     loader: Loader,
     dialogs: Box<dyn Dialogs>,
     preview: LivePreview,
+    difference: LiveDifference,
     final_view: Option<LiveFinal>,
     stability: Option<LiveStability>,
     sent: Option<Sent>,
@@ -109,6 +111,7 @@ impl App {
             loader,
             dialogs,
             preview,
+            difference: LiveDifference::default(),
             final_view: None,
             stability: None,
             sent: None,
@@ -291,71 +294,6 @@ impl App {
 
     fn history_differs(&self) -> bool {
         !self.history.holds(&self.editor.document)
-    }
-
-    fn pictures(&mut self, ui: &mut Ui, layout: Layout) {
-        let ctx = ui.ctx().clone();
-        let display = self.editor.view.display;
-        let is_both = layout.preview.is_some() && layout.final_view.is_some();
-        let loading = self.editor.model.is_none() || self.editor.environment.is_none();
-        if let Some(rect) = layout.preview {
-            let size = (self.picture_size.0 as u32, self.picture_size.1 as u32);
-            let idle = self.last_input.elapsed();
-            let texture = if loading { None } else { self.preview.draw(size, display, idle) };
-            if self.preview.is_owing() {
-                // Right after an event, wait for the hand to rest; then go on without a pause.
-                ctx.request_repaint_after(REST.saturating_sub(idle).min(Duration::from_millis(60)));
-            }
-            let note = self.preview.complaint().into_iter().collect();
-            let picture =
-                Picture { texture, name: "Preview", notes: note, label: None, reserved: 0.0, problem: self.preview.problem() };
-            if viewport::paint(ui, rect, &picture, is_both) {
-                self.carry_out(Command::ShowFinal, &ctx);
-            }
-        }
-        let Some(rect) = layout.final_view else { return };
-        let mut picture = Picture { texture: None, name: "Final", notes: Vec::new(), label: None, reserved: 0.0, problem: None };
-        let mut curve = None;
-        if let Some(view) = &mut self.final_view {
-            view.update(&ctx, display, self.editor.view.is_denoise_on);
-            picture.texture = view.texture().map(|texture| texture.id());
-            picture.notes.clone_from(&self.left_out);
-            picture.notes.extend(view.problem().map(str::to_owned));
-            picture.label = view.label().map(str::to_owned);
-            let is_shown = self.editor.view.is_chart_shown;
-            curve = view.current().filter(|_| is_shown).and_then(|snapshot| {
-                let target = self.editor.view.stop.relmse;
-                let curve = ErrorCurve::new(&snapshot.history, target, snapshot.done.is_some())?;
-                Some((curve, chart::size(rect.size())?))
-            });
-        }
-        if let Some((_, size)) = &curve {
-            picture.reserved = size.y + 22.0;
-        }
-        viewport::paint(ui, rect, &picture, is_both);
-        if let Some((curve, size)) = &curve {
-            viewport::show_chart(ui, rect, *size, curve);
-        }
-    }
-
-    fn status(&self) -> Status {
-        let (width, height) = self.picture_size;
-        let stop = &self.editor.view.stop;
-        let adapter = self.preview.adapter().unwrap_or_default();
-        let preview = format!("Preview {width} × {height}");
-        let snapshot = self.final_view.as_ref().and_then(LiveFinal::current);
-        let (picture, details) = match (self.editor.view.mode.has_final(), snapshot) {
-            (true, Some(snapshot)) => {
-                let details = status::final_details(snapshot, stop);
-                (format!("Final   {}", status::final_text(snapshot, stop)), format!("Final view, {width} × {height}\n{details}"))
-            }
-            (true, None) => ("Final   starting…".into(), String::new()),
-            (false, _) => {
-                let state = if self.preview.is_owing() { "refining" } else { "" };
-                (format!("{preview}   {state}"), format!("{preview} on {adapter}\nThe final view is paused; press \\ to see it."))
-            }
-        };
-        Status { loading: self.loader.text(), info: self.messages.last_info().to_owned(), picture, details }
     }
 
     fn menu_bar(&mut self, ui: &mut Ui) {

@@ -39,6 +39,10 @@ pub enum Command {
     ShowFinal,
     /// Show both side by side.
     ShowBoth,
+    /// Show both in one picture, with a line between them.
+    ShowWipe,
+    /// Show how far both are apart.
+    ShowDifference,
     /// Fill the picture with the object.
     Frame,
     /// Camera, light and exposure as at first.
@@ -78,7 +82,7 @@ const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 impl Command {
     /// All commands in menu order.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 26] = [
         Self::New,
         Self::Open,
         Self::Save,
@@ -95,6 +99,8 @@ impl Command {
         Self::ShowPreview,
         Self::ShowFinal,
         Self::ShowBoth,
+        Self::ShowWipe,
+        Self::ShowDifference,
         Self::Frame,
         Self::ResetView,
         Self::ExposureUp,
@@ -124,6 +130,8 @@ impl Command {
             Self::ShowPreview => "Preview",
             Self::ShowFinal => "Final",
             Self::ShowBoth => "Both side by side",
+            Self::ShowWipe => "Wipe",
+            Self::ShowDifference => "Difference",
             Self::Frame => "Frame object",
             Self::ResetView => "Reset view",
             Self::ExposureUp => "Brighter",
@@ -154,6 +162,8 @@ impl Command {
             Self::ShowPreview => "The GPU's picture, at once.",
             Self::ShowFinal => "The path tracer's picture, which sharpens with time.",
             Self::ShowBoth => "Preview on the left, final view on the right.",
+            Self::ShowWipe => "Preview left of a line that can be dragged, final view right of it.",
+            Self::ShowDifference => "How far preview and final view are apart, pixel by pixel, as an eye would see it (FLIP).",
             Self::Frame => "Move the camera so that the object fills the picture.",
             Self::ResetView => "Camera, environment rotation and exposure as at first.",
             Self::ExposureUp => "A third of a stop more exposure.",
@@ -184,6 +194,8 @@ impl Command {
             Self::ShowPreview => const { &[keys(Modifiers::NONE, Key::Num1)] },
             Self::ShowFinal => const { &[keys(Modifiers::NONE, Key::Num2)] },
             Self::ShowBoth => const { &[keys(Modifiers::NONE, Key::Num3)] },
+            Self::ShowWipe => const { &[keys(Modifiers::NONE, Key::Num4)] },
+            Self::ShowDifference => const { &[keys(Modifiers::NONE, Key::Num5)] },
             Self::Frame => const { &[keys(Modifiers::NONE, Key::F)] },
             Self::ResetView => const { &[keys(Modifiers::NONE, Key::R)] },
             Self::ExposureUp => const { &[keys(Modifiers::NONE, Key::CloseBracket)] },
@@ -213,6 +225,8 @@ impl Command {
             | Self::ShowPreview
             | Self::ShowFinal
             | Self::ShowBoth
+            | Self::ShowWipe
+            | Self::ShowDifference
             | Self::Frame
             | Self::ResetView
             | Self::ExposureUp

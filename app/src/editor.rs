@@ -139,11 +139,21 @@ pub enum ViewMode {
     /// Preview on the left, final on the right.
     #[default]
     Both,
+    /// Preview left of a line, final right of it, in one picture.
+    Wipe,
+    /// How far both are apart, pixel by pixel.
+    Difference,
 }
 
 impl ViewMode {
     /// All modes with their names.
-    pub const ALL: [(Self, &'static str); 3] = [(Self::Preview, "Preview"), (Self::Final, "Final"), (Self::Both, "Both")];
+    pub const ALL: [(Self, &'static str); 5] = [
+        (Self::Preview, "Preview"),
+        (Self::Final, "Final"),
+        (Self::Both, "Both"),
+        (Self::Wipe, "Wipe"),
+        (Self::Difference, "Difference"),
+    ];
 
     /// Whether the path tracer's picture is visible.
     pub fn has_final(self) -> bool {
@@ -234,6 +244,8 @@ impl Orbit {
 pub struct View {
     /// Which renderer's picture is shown.
     pub mode: ViewMode,
+    /// Where the line of the wipe is, 0 to 1 of the width.
+    pub wipe: f32,
     /// Point of view.
     pub orbit: Orbit,
     /// Exposure and display transform.
@@ -256,6 +268,7 @@ impl Default for View {
     fn default() -> Self {
         Self {
             mode: ViewMode::default(),
+            wipe: 0.5,
             orbit: Orbit::default(),
             display: Display::default(),
             environment_deg: 0.0,

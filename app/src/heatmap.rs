@@ -65,7 +65,8 @@ pub fn heatmap(values: &[f32], width: usize) -> Heatmap {
     Heatmap { width, height: rows + BAR, bytes }
 }
 
-fn color(value: f32) -> [u8; 3] {
+/// Dark blue for 0 to yellow for 1.
+pub fn color(value: f32) -> [u8; 3] {
     let steps = (VIRIDIS.len() - 1) as f32;
     let place = if value.is_finite() { value.clamp(0.0, 1.0) * steps } else { steps };
     let step = (place as usize).min(VIRIDIS.len() - 2);

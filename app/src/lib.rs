@@ -14,6 +14,7 @@ pub mod files;
 pub mod heatmap;
 pub mod history;
 pub mod live_denoise;
+pub mod live_difference;
 pub mod live_final;
 pub mod live_preview;
 pub mod live_stability;

@@ -1,6 +1,6 @@
 //! The GPU preview inside the window: its device, its texture in egui, and why there is none.
 
-use burnish_renderer::preview::Preview;
+use burnish_renderer::preview::{FrameTimes, Preview};
 use burnish_renderer::scene::Scene;
 use burnish_renderer::tonemap::Display;
 use egui_wgpu::{RenderState, wgpu};
@@ -37,6 +37,8 @@ pub const REST: Duration = Duration::from_millis(250);
 const REST_SECONDS: f64 = 0.4;
 const LONG_REST: Duration = Duration::from_millis(1500);
 const LONG_REST_SECONDS: f64 = 1.0;
+/// What rays may take of a frame on hardware.
+const RAY_SECONDS: f64 = 0.010;
 /// What is assumed of a software adapter before it was measured.
 const SOFTWARE_SECONDS_PER_MEGAPIXEL: f64 = 0.8;
 
@@ -74,10 +76,14 @@ impl Pace {
     }
 
     /// Waits for the frame where waiting costs nothing, and notes its time.
-    fn end(&mut self, device: &wgpu::Device) {
+    fn end(&mut self, device: &wgpu::Device, is_traced: bool) {
+        if is_traced && !self.is_software {
+            self.last = None;
+        }
         if let Some((since, drawn)) = self.last
             && self.is_software
             && device.poll(wgpu::PollType::wait_indefinitely()).is_ok()
+            && !is_traced
         {
             self.measured(since.elapsed().as_secs_f64(), drawn);
         }
@@ -193,12 +199,15 @@ impl LivePreview {
                 return gpu.texture;
             }
         }
+        // The rays take what a frame may take, at rest more of it.
+        gpu.preview.set_patience(if self.pace.is_software { 0.5 * limit } else { RAY_SECONDS });
         self.pace.begin(size);
         let RenderState { device, queue, renderer, .. } = &gpu.render_state;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("preview") });
         self.is_refining = gpu.preview.draw(device, queue, &mut encoder, size.0, size.1, display);
         queue.submit([encoder.finish()]);
-        self.pace.end(device);
+        // With rays a frame takes as long as they are given: that says nothing about the next.
+        self.pace.end(device, gpu.preview.is_traced());
         if let Some(view) = gpu.preview.display_view() {
             let mut renderer = renderer.write();
             let filter = wgpu::FilterMode::Linear;
@@ -211,6 +220,17 @@ impl LivePreview {
         gpu.is_stale = false;
         self.is_owing = self.is_refining || size != full;
         gpu.texture
+    }
+
+    /// Samples per pixel that rays have added to the picture.
+    pub fn ray_samples(&self) -> u32 {
+        self.state.as_ref().map_or(0, |gpu| gpu.preview.ray_samples())
+    }
+
+    /// What the passes of a recent frame took, and why there are no rays, if there are none.
+    pub fn frame_graph(&self) -> Option<(&FrameTimes, Option<String>)> {
+        let preview = &self.state.as_ref().ok()?.preview;
+        Some((preview.times(), preview.rays_problem().map(ToString::to_string)))
     }
 
     /// Whether the picture is not yet what it will be.

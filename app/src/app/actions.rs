@@ -31,7 +31,9 @@ impl App {
             Command::Undo => self.history.undo_label().is_some(),
             Command::Redo => self.history.redo_label().is_some(),
             Command::ResetAll => self.editor.document.material.slots().any(|(_, slot)| *slot != Slot::default()),
-            Command::ShowPreview | Command::ShowBoth | Command::ToggleFinal => self.preview.problem().is_none(),
+            Command::ShowPreview | Command::ShowBoth | Command::ShowWipe | Command::ShowDifference | Command::ToggleFinal => {
+                self.preview.problem().is_none()
+            }
             _ => true,
         }
     }
@@ -74,6 +76,8 @@ impl App {
             Command::ShowPreview => view.mode = ViewMode::Preview,
             Command::ShowFinal => view.mode = ViewMode::Final,
             Command::ShowBoth => view.mode = ViewMode::Both,
+            Command::ShowWipe => view.mode = ViewMode::Wipe,
+            Command::ShowDifference => view.mode = ViewMode::Difference,
             Command::Frame => {
                 if let Some(model) = &self.editor.model {
                     view.orbit.frame(model);

@@ -72,7 +72,7 @@ impl App {
         match self.editor.view.mode {
             ViewMode::Preview => is_preview_ready,
             ViewMode::Final => is_final_ready,
-            ViewMode::Both => is_preview_ready && is_final_ready,
+            ViewMode::Both | ViewMode::Wipe | ViewMode::Difference => is_preview_ready && is_final_ready,
         }
     }
 }

@@ -8,6 +8,7 @@ pub mod properties;
 pub mod stability;
 pub mod status;
 pub mod viewport;
+pub mod wipe;
 
 /// Draws a side panel's content in exactly the panel's space.
 ///

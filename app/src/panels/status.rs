@@ -5,6 +5,7 @@ use crate::theme;
 use crate::widgets::number;
 use burnish_material::{LOBES, LobeSet};
 use burnish_renderer::path::{Convergence, SPP_MAX, StopReason, StopRules};
+use burnish_renderer::preview::FrameTimes;
 use burnish_renderer::worker::Snapshot;
 use egui::{Color32, FontId, Label, Layout, Rect, RichText, Role, Sense, StrokeKind, Ui, WidgetInfo, vec2};
 
@@ -85,6 +86,18 @@ pub fn final_details(snapshot: &Snapshot, stop: &StopRules) -> String {
     if !rules.is_empty() {
         lines.push(format!("It stops at the first of: {}.", rules.join(", ")));
     }
+    lines.join("\n")
+}
+
+/// What each pass of a preview's frame took, in lines.
+pub fn frame_text(times: &FrameTimes, rays_problem: Option<String>) -> String {
+    let mut lines: Vec<String> = times.passes.iter().map(|(name, ms)| format!("{ms:7.2} ms  {name}")).collect();
+    if lines.is_empty() {
+        lines.push("This adapter measures no times of passes.".into());
+    } else {
+        lines.push(format!("{:7.2} ms  in all", times.total()));
+    }
+    lines.extend(rays_problem.map(|problem| format!("No rays: {problem}")));
     lines.join("\n")
 }
 

@@ -4,6 +4,7 @@ use crate::command::Command;
 use crate::editor::{Editor, View, ViewMode};
 use crate::loading::Job;
 use crate::panels::chart::{self, ErrorCurve};
+use crate::panels::wipe;
 use crate::theme;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_renderer::path::StopRules;
@@ -31,6 +32,8 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
                 ViewMode::Preview => Command::ShowPreview,
                 ViewMode::Final => Command::ShowFinal,
                 ViewMode::Both => Command::ShowBoth,
+                ViewMode::Wipe => Command::ShowWipe,
+                ViewMode::Difference => Command::ShowDifference,
             };
             let is_possible = has_preview || !mode.has_preview();
             let button = ui.add_enabled(is_possible, egui::Button::selectable(editor.view.mode == mode, name));
@@ -133,6 +136,7 @@ impl Layout {
         match mode {
             ViewMode::Preview => Self { all, preview: Some(all), final_view: None },
             ViewMode::Final => Self { all, preview: None, final_view: Some(all) },
+            ViewMode::Wipe | ViewMode::Difference => Self { all, preview: Some(all), final_view: Some(all) },
             ViewMode::Both => {
                 let (left, right) = all.split_left_right_at_fraction(0.5);
                 // Whole points, so that both pictures have the same size.
@@ -157,6 +161,9 @@ pub fn interact(ui: &mut Ui, editor: &mut Editor) -> (Response, Layout) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Viewport"));
     let layout = Layout::of(rect, editor.view.mode);
+    if editor.view.mode == ViewMode::Wipe {
+        wipe::interact(ui, rect, &mut editor.view.wipe);
+    }
     let height = layout.picture_size().y.max(1.0);
     let view = &mut editor.view;
     let modifiers = ui.input(|i| i.modifiers);
@@ -204,8 +211,9 @@ pub struct Picture<'a> {
     pub problem: Option<&'a str>,
 }
 
-/// Paints one picture into its rectangle. Returns whether the way out of a problem was clicked.
-pub fn paint(ui: &mut Ui, rect: Rect, picture: &Picture, is_named: bool) -> bool {
+/// Paints the part of a picture that lies in `part` of its rectangle. Returns whether the way out of a problem was clicked.
+pub fn paint(ui: &mut Ui, whole: Rect, part: Rect, picture: &Picture, is_named: bool) -> bool {
+    let rect = part.intersect(whole);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0, theme::SURROUND);
     if let Some(problem) = picture.problem {
@@ -213,7 +221,7 @@ pub fn paint(ui: &mut Ui, rect: Rect, picture: &Picture, is_named: bool) -> bool
     }
     match picture.texture {
         Some(texture) => {
-            painter.image(texture, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+            painter.image(texture, whole, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
         }
         None => {
             painter.text(rect.center(), Align2::CENTER_CENTER, "preparing…", FontId::proportional(14.0), theme::WEAK);

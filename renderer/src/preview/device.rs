@@ -34,7 +34,8 @@ impl fmt::Display for PreviewError {
 
 impl std::error::Error for PreviewError {}
 
-/// What the preview needs from a device, for whoever makes it: the default limits of WebGPU and no feature.
+/// What the preview asks of a device, for whoever makes it: the default limits of WebGPU, buffers as large as there are, and times of passes
+/// where they can be had.
 ///
 /// Where the adapter offers less (OpenGL), its own limits; the preview then does what it can.
 pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
@@ -43,7 +44,19 @@ pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'sta
     } else {
         wgpu::Limits::default()
     };
-    wgpu::DeviceDescriptor { label: Some("preview"), required_limits: limits, ..Default::default() }
+    // Large meshes need large buffers; times of passes are shown where they can be had.
+    let offered = adapter.limits();
+    let limits = wgpu::Limits {
+        max_buffer_size: limits.max_buffer_size.max(offered.max_buffer_size),
+        max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size.max(offered.max_storage_buffer_binding_size),
+        ..limits
+    };
+    wgpu::DeviceDescriptor {
+        label: Some("preview"),
+        required_limits: limits,
+        required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+        ..Default::default()
+    }
 }
 
 /// A device without a window: a real GPU if there is one, else a software adapter.

@@ -4,13 +4,14 @@ use super::device::PreviewError;
 use super::frame::TAPS_MAX;
 use super::rays::{self, Rays};
 use super::targets::{BLENDED, Targets};
+use super::timing::Timing;
 use super::upload::ObjectBlock;
 use super::{Drawn, Preview, STEPS_BESIDE_RAYS, STEPS_MAX, pipelines, upload};
 use crate::tonemap::Display;
 use burnish_material::{Lobe, LobeSet};
 use std::sync::Arc;
 
-/// Seconds that a tile is taken to need before any was measured: hardware, and a program on the processor.
+/// Seconds that a tile is taken to need where none was measured: on hardware, and by a program on the processor.
 const TILE_SECONDS: [f64; 2] = [2e-6, 1e-3];
 
 impl Preview {
@@ -34,6 +35,7 @@ impl Preview {
             self.restart();
         }
         self.take_baked(device, queue)?;
+        self.timing.begin();
         let is_first = self.steps == 0;
         self.draw_mean(device, queue, encoder, [width, height])?;
         // The first picture stands alone: whoever drags a value waits for nothing else.
@@ -42,6 +44,7 @@ impl Preview {
         }
         self.is_blended = self.rays.has_any();
         self.show(device, queue, encoder, display)?;
+        self.timing.end(encoder);
         let wants_drawn = self.steps < self.steps_wanted() || self.is_provisional || self.is_settling();
         Ok(wants_drawn || self.wants_rays())
     }
@@ -81,12 +84,12 @@ impl Preview {
                 std::cmp::Ordering::Equal
             })
         });
-        let mut pipelines = Vec::with_capacity(order.len());
+        let mut objects = Vec::with_capacity(order.len());
         let mut is_fitting = true;
-        for &i in &order {
-            let (made, fits) = self.pipelines.for_lobes(device, self.objects[i].kind(), false)?;
+        for drawn in order.iter().map(|&i| &self.objects[i]) {
+            let (made, fits) = self.pipelines.for_lobes(device, drawn.kind(), false)?;
             is_fitting &= fits;
-            pipelines.push(made);
+            objects.push((drawn, made));
         }
         if self.is_provisional && is_fitting {
             self.steps = 0;
@@ -100,7 +103,8 @@ impl Preview {
             let block = self.frame_block(&scene, width, height, step);
             let slot = tap as usize;
             queue.write_buffer(&self.frame_blocks[slot], 0, bytemuck::bytes_of(&block));
-            self.draw_objects(encoder, targets, slot, &order, &pipelines);
+            let Some(frame) = self.frame_binds.get(slot) else { return Ok(()) };
+            draw_objects(encoder, targets, frame, &self.pipelines.background, &objects, self.timing.render("draw"));
             let params: [f32; 8] = [1.0 / (step + 1) as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
             queue.write_buffer(&self.output_blocks[slot], 0, bytemuck::cast_slice(&params));
             let [to, from] = [step as usize % 2, (step as usize + 1) % 2];
@@ -112,7 +116,7 @@ impl Preview {
                 &targets.mean_views[from],
                 None,
             );
-            screen_pass(encoder, "mean", &targets.mean_views[to], &self.pipelines.mean, &bind);
+            screen_pass(encoder, &targets.mean_views[to], &self.pipelines.mean, &bind, self.timing.render("mean"));
         }
         self.steps += taps;
         Ok(())
@@ -125,7 +129,7 @@ impl Preview {
 
     /// Blends the mean with the rays' samples and puts it on the display.
     fn show(
-        &self,
+        &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
@@ -141,10 +145,11 @@ impl Preview {
         let mean = (self.steps as usize + 1) % 2;
         if self.is_blended {
             let bind = targets.bind(device, layouts, block, &targets.mean_views[mean], &targets.color, self.rays.sums());
-            screen_pass(encoder, "blend", &targets.mean_views[BLENDED], &self.pipelines.blend, &bind);
+            let times = self.timing.render("blend");
+            screen_pass(encoder, &targets.mean_views[BLENDED], &self.pipelines.blend, &bind, times);
         }
         let bind = targets.bind(device, layouts, block, &targets.mean_views[self.shown()], &targets.color, None);
-        screen_pass(encoder, "display", &targets.display, &self.pipelines.display, &bind);
+        screen_pass(encoder, &targets.display, &self.pipelines.display, &bind, self.timing.render("display"));
         Ok(())
     }
 
@@ -160,12 +165,19 @@ impl Preview {
         encoder: &mut wgpu::CommandEncoder,
         size: [u32; 2],
     ) -> Result<(), PreviewError> {
-        if self.tile_seconds == 0.0 {
-            let is_software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
-            self.tile_seconds = TILE_SECONDS[usize::from(is_software)];
-        }
-        let tiles = (self.patience / self.tile_seconds).min(f64::from(Rays::tiles(size))) as u32;
-        self.with_rays(size, |rays, given| rays.trace(device, queue, encoder, given, tiles, None)).unwrap_or(Ok(()))
+        // Where nothing is measured, a guess that is too slow rather than too fast.
+        let times = self.timing.last();
+        let measured = 1e-3 * times.of("rays") / f64::from(times.tiles.max(1));
+        let is_software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let tile_seconds = if measured > 0.0 { measured } else { TILE_SECONDS[usize::from(is_software)] };
+        let tiles = ((self.patience / tile_seconds).min(f64::from(Rays::tiles(size))) as u32).max(1);
+        // Taken out for the while, so that the rest of the preview can be lent to the rays.
+        let mut timing = std::mem::replace(&mut self.timing, Timing::none());
+        let writes = timing.compute("rays", tiles);
+        let traced =
+            self.with_rays(size, |rays, given| rays.trace(device, queue, encoder, given, tiles, writes)).unwrap_or(Ok(()));
+        self.timing = timing;
+        traced
     }
 
     /// Calls `work` with the rays and what they need; `None` while there is no scene.
@@ -206,59 +218,58 @@ impl Preview {
         self.steps = 0;
         Ok(())
     }
+}
 
-    fn draw_objects(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &Targets,
-        slot: usize,
-        order: &[usize],
-        pipelines: &[pipelines::ObjectPipelines],
-    ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("objects"),
-            color_attachments: &[Some(match &targets.places {
-                Some(places) => wgpu::RenderPassColorAttachment {
-                    view: places,
-                    resolve_target: Some(&targets.color),
-                    ops: wgpu::Operations { store: wgpu::StoreOp::Discard, ..color_attachment(places).ops },
-                    depth_slice: None,
-                },
-                None => color_attachment(&targets.color),
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &targets.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        let Some(frame) = self.frame_binds.get(slot) else { return };
-        pass.set_bind_group(0, frame, &[]);
-        // The background comes after what hides it and before what lets it through.
-        let mut background = Some(&self.pipelines.background);
-        let mut draw_background = |pass: &mut wgpu::RenderPass<'_>| {
-            if let Some(pipeline) = background.take() {
-                pass.set_pipeline(pipeline);
-                pass.draw(0..3, 0..1);
-            }
-        };
-        for (&i, made) in order.iter().zip(pipelines) {
-            let drawn = &self.objects[i];
-            if made.back.is_some() {
-                draw_background(&mut pass);
-            }
-            pass.set_bind_group(1, &drawn.bind, &[]);
-            pass.set_vertex_buffer(0, drawn.buffers.vertices.slice(..));
-            pass.set_vertex_buffer(1, drawn.buffers.baked.slice(..));
-            pass.set_index_buffer(drawn.buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
-            for pipeline in made.back.iter().chain([&made.front]) {
-                pass.set_pipeline(pipeline);
-                pass.draw_indexed(0..drawn.buffers.index_count, 0, 0..1);
-            }
+/// Draws objects, and the background behind what hides it and before what lets it through.
+fn draw_objects(
+    encoder: &mut wgpu::CommandEncoder,
+    targets: &Targets,
+    frame: &wgpu::BindGroup,
+    background: &wgpu::RenderPipeline,
+    objects: &[(&Drawn, pipelines::ObjectPipelines)],
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+) {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("objects"),
+        color_attachments: &[Some(match &targets.places {
+            Some(places) => wgpu::RenderPassColorAttachment {
+                view: places,
+                resolve_target: Some(&targets.color),
+                ops: wgpu::Operations { store: wgpu::StoreOp::Discard, ..color_attachment(places).ops },
+                depth_slice: None,
+            },
+            None => color_attachment(&targets.color),
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &targets.depth,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+            stencil_ops: None,
+        }),
+        timestamp_writes,
+        ..Default::default()
+    });
+    pass.set_bind_group(0, frame, &[]);
+    let mut background = Some(background);
+    let mut draw_background = |pass: &mut wgpu::RenderPass<'_>| {
+        if let Some(pipeline) = background.take() {
+            pass.set_pipeline(pipeline);
+            pass.draw(0..3, 0..1);
         }
-        draw_background(&mut pass);
+    };
+    for (drawn, made) in objects {
+        if made.back.is_some() {
+            draw_background(&mut pass);
+        }
+        pass.set_bind_group(1, &drawn.bind, &[]);
+        pass.set_vertex_buffer(0, drawn.buffers.vertices.slice(..));
+        pass.set_vertex_buffer(1, drawn.buffers.baked.slice(..));
+        pass.set_index_buffer(drawn.buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for pipeline in made.back.iter().chain([&made.front]) {
+            pass.set_pipeline(pipeline);
+            pass.draw_indexed(0..drawn.buffers.index_count, 0, 0..1);
+        }
     }
+    draw_background(&mut pass);
 }
 
 fn color_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
@@ -266,16 +277,18 @@ fn color_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment
     wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
 
+/// Fills a picture.
 fn screen_pass(
     encoder: &mut wgpu::CommandEncoder,
-    label: &str,
     view: &wgpu::TextureView,
     pipeline: &wgpu::RenderPipeline,
     bind: &wgpu::BindGroup,
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
 ) {
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
+        label: Some("screen"),
         color_attachments: &[Some(color_attachment(view))],
+        timestamp_writes,
         ..Default::default()
     });
     pass.set_pipeline(pipeline);

@@ -38,10 +38,12 @@ mod rays;
 mod shader;
 mod take;
 mod targets;
+mod timing;
 mod upload;
 
 pub use device::{PreviewError, device_descriptor, headless_device};
 pub use shader::{albedo_table_values, twin_shader};
+pub use timing::FrameTimes;
 
 use crate::bsdf::Albedos;
 use crate::scene::{Object, Scene};
@@ -58,6 +60,7 @@ use pipelines::{PipelineKind, Pipelines};
 use rays::Rays;
 use std::sync::Arc;
 use targets::Targets;
+use timing::Timing;
 use upload::{FrameBlock, Maps, MeshBuffers, ObjectBlock};
 
 /// Pictures after which nothing visible changes any more, without rays.
@@ -94,8 +97,7 @@ pub struct Preview {
     patience: f64,
     /// Whether rays are traced at all.
     has_rays: bool,
-    /// Seconds that a tile of the rays takes: measured, or a guess.
-    tile_seconds: f64,
+    timing: Timing,
     /// Whether the picture on the display holds samples of the rays.
     is_blended: bool,
     /// Pictures in the mean so far.
@@ -203,7 +205,7 @@ impl Preview {
             rays: Rays::new(device)?,
             patience: PATIENCE_SECONDS,
             has_rays: true,
-            tile_seconds: 0.0,
+            timing: Timing::new(device, queue),
             is_blended: false,
             steps: 0,
             is_provisional: false,
@@ -264,6 +266,16 @@ impl Preview {
     pub fn read_linear(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<[f32; 4]>, PreviewError> {
         let targets = self.targets.as_ref().filter(|_| self.steps > 0).ok_or(PreviewError::NothingDrawn)?;
         targets.read(device, queue, self.shown())
+    }
+
+    /// What the passes of a recent picture took; empty where the device measures none.
+    pub fn times(&self) -> &FrameTimes {
+        self.timing.last()
+    }
+
+    /// Whether the last picture holds samples of rays.
+    pub fn is_traced(&self) -> bool {
+        self.is_blended
     }
 
     /// Samples per pixel that the rays have added.

@@ -19,9 +19,9 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use upload::{RaysBlock, SceneBuffers};
 
 /// Samples that the drawn picture counts as while they are few.
-pub(super) const DRAWN_COUNTS: f32 = 8.0;
+pub(super) const DRAWN_COUNTS: f32 = 16.0;
 /// Samples per pixel from which the drawn picture fades, and at which it is gone.
-pub(super) const DRAWN_FADES: [f32; 2] = [24.0, 48.0];
+pub(super) const DRAWN_FADES: [f32; 2] = [24.0, 64.0];
 /// Samples per pixel after which the picture rests.
 const SAMPLES_MAX: u32 = 128;
 /// Side of a tile, pixels: that of a workgroup.

@@ -4,6 +4,8 @@
 const EVENTS_MAX: u32 = 1024u;
 // Bounces before roulette may end a path.
 const ROULETTE_START: u32 = 3u;
+// Directions of the light that are considered where the camera sees a surface first.
+const CANDIDATES: u32 = 4u;
 // Directions that share the space about a rough lobe, and the widest spread: `path/cone.rs`.
 const SHARERS: f32 = 16.0;
 const SPREAD_MAX: f32 = 0.25;
@@ -123,6 +125,8 @@ fn path_radiance(pixel: vec2u, index: u32) -> vec3f {
         light_wave = wavelength(draw_pair(seed, index, 0u, PAIR_WALK).x);
     }
     var is_dispersed = false;
+    // Directions of the light that the last surface considered.
+    var lights = 1u;
 
     for (var event = 0u; event < EVENTS_MAX; event++) {
         // The channel that decides how far light flies in a scattering body: chosen by what the path carries.
@@ -159,7 +163,7 @@ fn path_radiance(pixel: vec2u, index: u32) -> vec3f {
         }
         if hit.triangle == NONE {
             let place = light_place(ray.direction);
-            let weight = select(1.0, pdf / max(pdf + light_pdf(place), 1e-30), pdf > 0.0);
+            let weight = select(1.0, pdf / max(pdf + f32(lights) * light_pdf(place), 1e-30), pdf > 0.0);
             radiance += beta * light_radiance(place.xy) * weight * select(vec3f(1.0), vec3f(0.0), sigma > vec3f(0.0));
             break;
         }
@@ -216,19 +220,37 @@ fn path_radiance(pixel: vec2u, index: u32) -> vec3f {
         }
         let b = bsdf_prepare(optics, view);
 
-        let light = light_sample(draw_pair(seed, index, vertex, PAIR_LIGHT));
-        let toward = axes_local(axes, light.direction);
-        let outwards = dot(light.direction, p.ng);
-        if light.pdf > 0.0 && outwards * toward.z > 0.0 {
-            let value = bsdf_eval(b, toward);
-            let brought = beta * value.value * light.radiance / max(light.pdf + value.pdf, 1e-30);
-            if max_channel(brought) > 0.0 {
-                let is_across = (outwards > 0.0) != is_front;
-                let start = Ray(leave_surface(p.position, select(-p.ng, p.ng, outwards > 0.0)), light.direction, hit.triangle);
-                let here = object_at;
-                radiance += brought * visibility(start, select(sigma, beyond_a + beyond_s, is_across));
-                object_at = here;
+        // Several directions of the light where the camera sees the surface first, and one ray towards the one that is chosen in proportion
+        // to what each would bring: resampled importance sampling (Talbot et al. 2005), `path/direct.rs`.
+        lights = select(1u, CANDIDATES, bounces == 0u);
+        var reservoir = 0.0;
+        var chosen = vec3f(0.0);
+        var chosen_weight = 0.0;
+        var chosen_direction = vec3f(0.0, 0.0, 1.0);
+        for (var j = 0u; j < lights; j++) {
+            let light = light_sample(draw_pair(seed, index * lights + j, vertex, PAIR_LIGHT));
+            let toward = axes_local(axes, light.direction);
+            if light.pdf <= 0.0 || dot(light.direction, p.ng) * toward.z <= 0.0 {
+                continue;
             }
+            let value = bsdf_eval(b, toward);
+            let brought = beta * value.value * light.radiance / max(f32(lights) * light.pdf + value.pdf, 1e-30);
+            let weight = luminance(brought);
+            reservoir += weight;
+            let u = unit_number(mix_bits(mix_bits(seed ^ index) + vertex * 0x9e3779b9u + j * 0x85157af5u));
+            if weight > 0.0 && u * reservoir < weight {
+                chosen = brought;
+                chosen_weight = weight;
+                chosen_direction = light.direction;
+            }
+        }
+        if chosen_weight > 0.0 {
+            let outwards = dot(chosen_direction, p.ng) > 0.0;
+            let start = Ray(leave_surface(p.position, select(-p.ng, p.ng, outwards)), chosen_direction, hit.triangle);
+            let here = object_at;
+            let free = visibility(start, select(sigma, beyond_a + beyond_s, outwards != is_front));
+            radiance += chosen * (reservoir / chosen_weight) * free;
+            object_at = here;
         }
 
         let choice = draw_pair(seed, index, vertex, PAIR_CHOICE);
