@@ -20,6 +20,23 @@ struct Found {
     p99: f64,
 }
 
+/// A picture in `width` times `height` pixels, no more than it has: means of the pixels whose middles fall into one.
+fn reduced(snapshot: &Snapshot, width: usize, height: usize) -> Vec<[f32; 4]> {
+    if (width, height) == (snapshot.width, snapshot.height) {
+        return snapshot.pixels.clone();
+    }
+    let mut sums = vec![[0.0_f32; 5]; width * height];
+    for (k, pixel) in snapshot.pixels.iter().enumerate() {
+        let x = (k % snapshot.width) * width / snapshot.width.max(1);
+        let y = (k / snapshot.width) * height / snapshot.height.max(1);
+        if let Some(sum) = sums.get_mut(y * width + x) {
+            (0..4).for_each(|c| sum[c] += pixel[c]);
+            sum[4] += 1.0;
+        }
+    }
+    sums.into_iter().map(|[r, g, b, a, n]| [r, g, b, a].map(|x| x / n.max(1.0))).collect()
+}
+
 /// What was compared: the final's request and samples, the preview's samples, how both are shown.
 type Key = (u64, u32, u32, Display);
 
@@ -59,11 +76,8 @@ impl LiveDifference {
             ctx.request_repaint_after(PAUSE);
             return;
         }
-        // A preview that draws less than the whole size first will be compared when it draws all of it.
         let Ok((width, height, pixels)) = preview.read_linear() else { return };
-        if (width as usize, height as usize) != (snapshot.width, snapshot.height) {
-            return;
-        }
+        let (width, height) = (width as usize, height as usize);
         self.compared = Some((key, Instant::now()));
         let (sender, receiver) = channel();
         let (snapshot, repaint) = (snapshot.clone(), ctx.clone());
@@ -71,13 +85,15 @@ impl LiveDifference {
             let shown = |pixels: &[[f32; 4]]| -> Vec<[f32; 3]> {
                 pixels.iter().map(|[r, g, b, _]| display.apply([*r, *g, *b])).collect()
             };
-            let values = flip(&shown(&pixels), &shown(&snapshot.pixels), snapshot.width);
+            // On a slow adapter the preview has fewer pixels than the final view.
+            let truth = reduced(&snapshot, width, height);
+            let values = flip(&shown(&pixels), &shown(&truth), width);
             let mean = values.iter().map(|e| f64::from(*e)).sum::<f64>() / values.len().max(1) as f64;
             let colors = values.iter().map(|value| {
                 let [r, g, b] = heatmap::color(*value);
                 Color32::from_rgb(r, g, b)
             });
-            let image = ColorImage::new([snapshot.width, snapshot.height], colors.collect());
+            let image = ColorImage::new([width, height], colors.collect());
             // Nobody waits any more if another view was chosen.
             _ = sender.send(Found { image, mean, p99: quantile(&values, 0.99) });
             repaint.request_repaint();

@@ -76,17 +76,18 @@ impl Pace {
     }
 
     /// Waits for the frame where waiting costs nothing, and notes its time.
-    fn end(&mut self, device: &wgpu::Device, is_traced: bool) {
+    /// Returns the seconds where it waited.
+    fn end(&mut self, device: &wgpu::Device, is_traced: bool) -> Option<f64> {
         if is_traced && !self.is_software {
             self.last = None;
         }
-        if let Some((since, drawn)) = self.last
-            && self.is_software
-            && device.poll(wgpu::PollType::wait_indefinitely()).is_ok()
-            && !is_traced
-        {
-            self.measured(since.elapsed().as_secs_f64(), drawn);
+        let (since, drawn) = self.last.filter(|_| self.is_software)?;
+        device.poll(wgpu::PollType::wait_indefinitely()).ok()?;
+        let seconds = since.elapsed().as_secs_f64();
+        if !is_traced {
+            self.measured(seconds, drawn);
         }
+        Some(seconds)
     }
 }
 
@@ -207,7 +208,9 @@ impl LivePreview {
         self.is_refining = gpu.preview.draw(device, queue, &mut encoder, size.0, size.1, display);
         queue.submit([encoder.finish()]);
         // With rays a frame takes as long as they are given: that says nothing about the next.
-        self.pace.end(device, gpu.preview.is_traced());
+        if let Some(seconds) = self.pace.end(device, gpu.preview.is_traced()) {
+            gpu.preview.took(seconds);
+        }
         if let Some(view) = gpu.preview.display_view() {
             let mut renderer = renderer.write();
             let filter = wgpu::FilterMode::Linear;

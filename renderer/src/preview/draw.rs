@@ -36,6 +36,7 @@ impl Preview {
         }
         self.take_baked(device, queue)?;
         self.timing.begin();
+        self.tiles = 0;
         let is_first = self.steps == 0;
         self.draw_mean(device, queue, encoder, [width, height])?;
         // The first picture stands alone: whoever drags a value waits for nothing else.
@@ -165,14 +166,17 @@ impl Preview {
         encoder: &mut wgpu::CommandEncoder,
         size: [u32; 2],
     ) -> Result<(), PreviewError> {
-        // Where nothing is measured, a guess that is too slow rather than too fast.
+        // Where nothing is measured, a guess that is too slow rather than too fast. A software adapter does the work after it has taken the
+        // time, so whoever waits for it measures instead.
         let times = self.timing.last();
-        let measured = 1e-3 * times.of("rays") / f64::from(times.tiles.max(1));
         let is_software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let by_device = 1e-3 * times.of("rays") / f64::from(times.tiles.max(1));
+        let measured = if is_software { self.tile_seconds } else { by_device };
         let tile_seconds = if measured > 0.0 { measured } else { TILE_SECONDS[usize::from(is_software)] };
         let tiles = ((self.patience / tile_seconds).min(f64::from(Rays::tiles(size))) as u32).max(1);
         // Taken out for the while, so that the rest of the preview can be lent to the rays.
         let mut timing = std::mem::replace(&mut self.timing, Timing::none());
+        self.tiles = tiles;
         let writes = timing.compute("rays", tiles);
         let traced =
             self.with_rays(size, |rays, given| rays.trace(device, queue, encoder, given, tiles, writes)).unwrap_or(Ok(()));

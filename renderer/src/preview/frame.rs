@@ -52,7 +52,7 @@ impl Preview {
             origin: four(basis.origin, near),
             right_inverse: four(basis.right / basis.right.length_squared(), 0.0),
             up_inverse: four(basis.up / basis.up.length_squared(), 0.0),
-            right: four(basis.right, 0.0),
+            right: four(basis.right, bounds.size().x),
             up: four(basis.up, 0.0),
             forward: four(basis.forward, 0.0),
             jitter: [shift.x, shift.y, width as f32, height as f32],

@@ -6,7 +6,7 @@ struct Frame {
     // Camera axes over the squares of their lengths: dot products with them give picture coordinates at distance 1.
     right_inverse: vec4f,
     up_inverse: vec4f,
-    // Camera axes with half the picture's extent at distance 1 as lengths.
+    // Camera axes with half the picture's extent at distance 1 as lengths; w of the first: width of the edited object.
     right: vec4f,
     up: vec4f,
     forward: vec4f,

@@ -21,6 +21,8 @@ struct Surface {
     covered_c: vec4f,
     // Angle by which mirrored directions differ across the pixel.
     spread: f32,
+    // Length of light's way through the body where an image gives it; negative where geometry does.
+    thickness: f32,
 }
 
 fn to_world(s: Surface, v: vec3f) -> vec3f {
@@ -172,6 +174,10 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
     s.b = detail.axes.b;
     let bend = dot(dpdx(smooth_n), dpdx(smooth_n)) + dot(dpdy(smooth_n), dpdy(smooth_n));
     s.spread = min(sqrt(0.3 * bend), 0.5);
+    s.thickness = -1.0;
+    if rows.volume_thickness.w >= 0.0 {
+        s.thickness = max(inputs.volume_thickness * inputs.volume_thickness_scale, 0.0) * frame.right.w;
+    }
     s.self_share = in.baked_light.w;
     s.covered_a = in.covered_a;
     s.covered_b = in.covered_b;
@@ -199,7 +205,8 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
     let prepared = bsdf_prepare(optics, view);
     var radiance = reflections(prepared, s, near_radiance);
     if HAS_DIFFUSE || (HAS_METAL && HAS_MULTIPLE_SCATTERING) {
-        radiance += diffuse(prepared, light);
+        // What the map occludes is finer than what the mesh does.
+        radiance += diffuse(prepared, light * saturate(inputs.ambient_occlusion));
     }
     if HAS_SCATTERING && max_channel(optics.sigma_s) > 0.0 {
         let behind = max(open_irradiance(-s.n), vec3f(0.0)) * frame.environment.z;

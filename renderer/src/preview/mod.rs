@@ -98,6 +98,9 @@ pub struct Preview {
     /// Whether rays are traced at all.
     has_rays: bool,
     timing: Timing,
+    /// Tiles of rays in the last picture, and seconds of each if someone measured them.
+    tiles: u32,
+    tile_seconds: f64,
     /// Whether the picture on the display holds samples of the rays.
     is_blended: bool,
     /// Pictures in the mean so far.
@@ -206,6 +209,8 @@ impl Preview {
             patience: PATIENCE_SECONDS,
             has_rays: true,
             timing: Timing::new(device, queue),
+            tiles: 0,
+            tile_seconds: 0.0,
             is_blended: false,
             steps: 0,
             is_provisional: false,
@@ -271,6 +276,14 @@ impl Preview {
     /// What the passes of a recent picture took; empty where the device measures none.
     pub fn times(&self) -> &FrameTimes {
         self.timing.last()
+    }
+
+    /// Tells how long the last picture took, from [`Preview::draw`] until the device was done: a software adapter's rays are paced by that.
+    pub fn took(&mut self, seconds: f64) {
+        if self.tiles > 0 {
+            let new = seconds / f64::from(self.tiles);
+            self.tile_seconds = if self.tile_seconds == 0.0 { new } else { 0.5 * (self.tile_seconds + new) };
+        }
     }
 
     /// Whether the last picture holds samples of rays.

@@ -17,8 +17,9 @@ fn through_body(o: Optics, s: Surface, d_in: vec3f, angle: f32, u: vec3f) -> vec
     let n_inside = 1.0 / o.eta;
     let alpha = select(sqrt(o.alpha_x * o.alpha_y), 0.0, o.is_smooth);
     for (var i = 0u; i < INNER_EVENTS; i++) {
-        let length_inside = max(-2.0 * dot(p - center, d), 0.0);
-        p = p + d * length_inside;
+        let across = max(-2.0 * dot(p - center, d), 0.0);
+        let length_inside = select(s.thickness, across, s.thickness < 0.0);
+        p = p + d * across;
         // What scatters out of the way comes back as light of the body: `body_light`.
         throughput *= exp(-min((o.sigma_a + o.sigma_s) * length_inside, vec3f(80.0)));
         var n = unit_or_z(p - center);
