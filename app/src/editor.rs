@@ -152,7 +152,7 @@ impl ViewMode {
         (Self::Final, "Final"),
         (Self::Both, "Both"),
         (Self::Wipe, "Wipe"),
-        (Self::Difference, "Difference"),
+        (Self::Difference, "Diff"),
     ];
 
     /// Whether the path tracer's picture is visible.

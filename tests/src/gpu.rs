@@ -6,18 +6,23 @@ use wgpu::util::DeviceExt;
 /// Environment variable that turns a missing adapter from a visible skip into a failure.
 const REQUIRE: &str = "BURNISH_REQUIRE_GPU";
 
+/// A device; `None` without an adapter, which is said, or is a failure where there must be one.
+pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
+    match headless_device() {
+        Ok((_, device, queue)) => Some((device, queue)),
+        Err(error) => {
+            assert!(std::env::var(REQUIRE).is_err_and(|e| e == std::env::VarError::NotPresent), "{error}");
+            eprintln!("SKIPPED: {error}");
+            None
+        }
+    }
+}
+
 /// Runs `entry` (a shader text with one entry point `main` of workgroup size 64) over `inputs`, bound as read-only storage
 /// buffers of group 1 from binding 1; binding 0 of group 1 is the result of `count` floats. `tables` is what `albedo_tables`
 /// holds. `None` without an adapter.
 pub fn compute(entry: &str, tables: &[f32], inputs: &[Vec<f32>], count: usize, invocations: usize) -> Option<Vec<f32>> {
-    let (_, device, queue) = match headless_device() {
-        Ok(found) => found,
-        Err(error) => {
-            assert!(std::env::var(REQUIRE).is_err_and(|e| e == std::env::VarError::NotPresent), "{error}");
-            eprintln!("SKIPPED: {error}");
-            return None;
-        }
-    };
+    let (device, queue) = device()?;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("twins"),
         source: wgpu::ShaderSource::Wgsl(twin_shader(entry).into()),

@@ -46,7 +46,7 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
         ui.separator();
 
         let mesh = editor.model.as_ref().map_or("…", |model| model.name.as_str());
-        let combo = ComboBox::from_id_salt("mesh").width(96.0).truncate().selected_text(mesh).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("mesh").width(88.0).truncate().selected_text(mesh).show_ui(ui, |ui| {
             for def in SHAPES {
                 if ui.selectable_label(mesh == def.label, def.label).clicked() {
                     wish = Some(Wish::Load(Job::Shape(def.name)));
@@ -63,7 +63,7 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
             .on_hover_text("What carries the material; drop a .gltf, .glb or .ply for your own");
 
         let light = editor.environment.as_ref().map_or("…", |environment| environment.name.as_str());
-        let combo = ComboBox::from_id_salt("environment").width(96.0).truncate().selected_text(light).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("environment").width(88.0).truncate().selected_text(light).show_ui(ui, |ui| {
             for def in ENVIRONMENTS {
                 if ui.selectable_label(light == def.label, def.label).clicked() {
                     wish = Some(Wish::Load(Job::BuiltInEnvironment(def.name)));

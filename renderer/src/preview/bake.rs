@@ -15,15 +15,15 @@ use crate::scene::Scene;
 use burnish_assets::{Environment, Mesh};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// Runs the work and keeps what it is working on.
 #[derive(Debug)]
 pub(super) struct Baker {
     key: Option<Key>,
     generation: Arc<AtomicU64>,
-    results: (Sender<Message>, Receiver<Message>),
-    is_busy: bool,
+    /// Results of the newest request; `None` once the last one was taken.
+    results: Option<Receiver<Message>>,
     has_result: bool,
     last: Option<Baked>,
 }
@@ -42,15 +42,16 @@ pub(super) struct Baked {
 pub(super) struct BakedFloor {
     /// Irradiance beside black bodies, less that of the open floor.
     pub light: Level,
-    /// What white bodies in the place of the edited ones add.
+    /// What white bodies in the place of the edited ones add, and what bodies that shine with radiance 1 do.
     pub glow: Level,
+    pub shine: Level,
     pub radiance: Vec<Level>,
     pub glow_radiance: Vec<Level>,
+    pub shine_radiance: Vec<Level>,
 }
 
 #[derive(Debug)]
 struct Message {
-    generation: u64,
     baked: Baked,
     is_last: bool,
 }
@@ -74,7 +75,7 @@ impl Key {
 
 impl Default for Baker {
     fn default() -> Self {
-        Self { key: None, generation: Arc::default(), results: channel(), is_busy: false, has_result: false, last: None }
+        Self { key: None, generation: Arc::default(), results: None, has_result: false, last: None }
     }
 }
 
@@ -97,35 +98,41 @@ impl Baker {
         });
         let generation = self.generation.fetch_add(1, Ordering::Relaxed) + 1;
         let job = Job::new(scene, floor.cloned(), light.clone());
-        let (sender, current) = (self.results.0.clone(), self.generation.clone());
+        let (sender, results) = channel();
+        let current = self.generation.clone();
         let work = move || {
             job.run(&|| current.load(Ordering::Relaxed) != generation, &|baked, is_last| {
                 // Nobody listens any more once the preview is gone.
-                _ = sender.send(Message { generation, baked, is_last });
+                _ = sender.send(Message { baked, is_last });
             })
         };
-        self.is_busy = std::thread::Builder::new().name("preview light".to_owned()).spawn(work).is_ok();
+        self.results = std::thread::Builder::new().name("preview light".to_owned()).spawn(work).ok().map(|_| results);
     }
 
     /// The newest result, if one has come since the last call.
     pub fn take(&mut self) -> Option<Baked> {
-        while let Ok(message) = self.results.1.try_recv() {
-            self.accept(message);
+        while let Some(results) = &self.results {
+            match results.try_recv() {
+                Ok(message) => self.accept(message),
+                Err(TryRecvError::Empty) => break,
+                // The thread ended early: what is there has to do.
+                Err(TryRecvError::Disconnected) => self.results = None,
+            }
         }
         self.last.take()
     }
 
     fn accept(&mut self, message: Message) {
-        if message.generation == self.generation.load(Ordering::Relaxed) {
-            self.is_busy = !message.is_last;
-            self.has_result = true;
-            self.last = Some(message.baked);
+        if message.is_last {
+            self.results = None;
         }
+        self.has_result = true;
+        self.last = Some(message.baked);
     }
 
     /// Whether more results will come.
     pub fn is_busy(&self) -> bool {
-        self.is_busy
+        self.results.is_some()
     }
 
     /// Whether any result was there.
@@ -135,10 +142,10 @@ impl Baker {
 
     /// Waits for the last result.
     pub fn wait(&mut self) {
-        while self.is_busy {
-            match self.results.1.recv() {
+        while let Some(results) = &self.results {
+            match results.recv() {
                 Ok(message) => self.accept(message),
-                Err(_) => self.is_busy = false,
+                Err(_) => self.results = None,
             }
         }
     }

@@ -92,12 +92,20 @@ impl Job {
         let mut sums: Vec<Vec<Sums>> = self.bodies.iter().map(|b| vec![Sums::default(); b.chosen.len()]).collect();
         let texels = if self.floor.is_some() { LIGHT_SIZE * LIGHT_SIZE } else { 0 };
         let (mut floor_sums, mut glow_sums) = (vec![Vec3::ZERO; texels], vec![Vec3::ZERO; texels]);
+        let mut shine_sums = vec![Vec3::ZERO; texels];
         let mut total = 0.0;
         for pass in 0..PASSES {
             let count = if pass == 0 { FIRST_DIRECTIONS } else { LATER_DIRECTIONS };
             let directions = self.directions(pass, count);
             if let Some(floor) = &self.floor
-                && !self.light_floor(floor, &tree, &triangles, &directions, [&mut floor_sums, &mut glow_sums], is_cancelled)
+                && !self.light_floor(
+                    floor,
+                    &tree,
+                    &triangles,
+                    &directions,
+                    [&mut floor_sums, &mut glow_sums, &mut shine_sums],
+                    is_cancelled,
+                )
             {
                 return;
             }
@@ -112,12 +120,17 @@ impl Job {
             let is_last = pass + 1 == PASSES;
             if is_last || (pass + 1).is_power_of_two() {
                 let meshes = self.bodies.iter().zip(&sums).map(|(b, s)| (b.mesh.clone(), b.vertices(s, total)));
-                let glow = blurred(&glow_sums, total, if pass < 2 { 3 } else { 1 });
-                let floor = self.floor.as_ref().zip(floor_light).map(|(floor, light)| BakedFloor {
-                    radiance: floor.radiance(self.light.up, Some(&light)),
-                    glow_radiance: floor.radiance(Vec3::ZERO, Some(&glow)),
-                    light,
-                    glow,
+                let floor = self.floor.as_ref().zip(floor_light).map(|(floor, light)| {
+                    let reach = if pass < 2 { 3 } else { 1 };
+                    let [glow, shine] = [&glow_sums, &shine_sums].map(|sums| blurred(sums, total, reach));
+                    BakedFloor {
+                        radiance: floor.radiance(self.light.up, Some(&light)),
+                        glow_radiance: floor.radiance(Vec3::ZERO, Some(&glow)),
+                        shine_radiance: floor.radiance(Vec3::ZERO, Some(&shine)),
+                        light,
+                        glow,
+                        shine,
+                    }
                 });
                 publish(Baked { meshes: meshes.collect(), floor }, is_last);
             }
@@ -184,7 +197,7 @@ impl Job {
         tree: &Bvh,
         triangles: &[[Vec3; 3]],
         directions: &[Direction],
-        [sums, glow]: [&mut [Vec3]; 2],
+        [sums, glow, shine]: [&mut [Vec3]; 3],
         is_cancelled: &dyn Fn() -> bool,
     ) -> bool {
         let mut rays = Vec::with_capacity(BATCH);
@@ -209,7 +222,10 @@ impl Job {
                     let light = self.light_on(triangles[hit.triangle as usize], x.d) * share;
                     match self.owner(hit).and_then(|body| body.albedo) {
                         Some(albedo) => sums[texel] += albedo * light,
-                        None => glow[texel] += light,
+                        None => {
+                            glow[texel] += light;
+                            shine[texel] += Vec3::splat(share);
+                        }
                     }
                 }
                 rays.clear();

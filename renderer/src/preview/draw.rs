@@ -217,6 +217,8 @@ impl Preview {
             self.stage.radiance = upload::upload_levels(device, queue, "floor radiance", &floor.radiance)?;
             self.stage.glow = upload::upload_levels(device, queue, "floor glow", std::slice::from_ref(&floor.glow))?;
             self.stage.glow_radiance = upload::upload_levels(device, queue, "floor glow radiance", &floor.glow_radiance)?;
+            self.stage.shine = upload::upload_levels(device, queue, "floor shine", std::slice::from_ref(&floor.shine))?;
+            self.stage.shine_radiance = upload::upload_levels(device, queue, "floor shine radiance", &floor.shine_radiance)?;
             self.bind_frame(device);
         }
         self.steps = 0;

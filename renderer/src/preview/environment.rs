@@ -9,6 +9,8 @@ use std::f32::consts::PI;
 
 /// Largest number that a half float keeps, with some room.
 const HALF_MAX: f32 = 60_000.0;
+/// Largest radiance that is summed up.
+const RADIANCE_MAX: f32 = 1e30;
 /// Columns and rows of the irradiance map: interpolating a cosine over 5.6 degrees is off by 0.1 %.
 pub(super) const IRRADIANCE_SIZE: (usize, usize) = (64, 32);
 /// Largest width that is uploaded; larger maps are averaged down.
@@ -52,7 +54,7 @@ pub(super) fn prefilter(environment: &Environment, floor: Option<Vec3>) -> Prefi
     let mut base = Level {
         width: environment.width.max(1),
         height: environment.height.max(1),
-        texels: environment.texels.iter().map(|t| Vec3::from_array(*t).clamp(Vec3::ZERO, Vec3::splat(f32::MAX))).collect(),
+        texels: environment.texels.iter().map(|t| Vec3::from_array(*t).clamp(Vec3::ZERO, Vec3::splat(RADIANCE_MAX))).collect(),
     };
     base.texels.resize(base.width * base.height, Vec3::ZERO);
     while base.width > WIDTH_MAX {

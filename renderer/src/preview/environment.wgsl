@@ -39,7 +39,8 @@ fn floor_irradiance(p: vec3f) -> vec3f {
     let place = floor_place(p);
     let baked = textureSampleLevel(floor_light, floor_sampler, place.xy, 0.0).rgb;
     let glow = textureSampleLevel(floor_glow, floor_sampler, place.xy, 0.0).rgb * frame.sent_on.rgb;
-    return max(frame.floor_open.rgb + (baked + glow) * (place.z * frame.sent_on.w), vec3f(0.0));
+    let shine = textureSampleLevel(floor_shine, floor_sampler, place.xy, 0.0).rgb * frame.shine.rgb;
+    return max(frame.floor_open.rgb + (baked + glow + shine) * (place.z * frame.sent_on.w), vec3f(0.0));
 }
 
 // Radiance of the floor at `p`, averaged over a disc `across` wide.
@@ -48,7 +49,8 @@ fn floor_radiance(p: vec3f, across: f32) -> vec3f {
     let texels = across / frame.floor.w * 0.5 * f32(textureDimensions(floor_map).x);
     let level = log2(max(texels, 1.0));
     let glow = textureSampleLevel(floor_glow_map, floor_sampler, place.xy, level).rgb * frame.sent_on.rgb;
-    let near = textureSampleLevel(floor_map, floor_sampler, place.xy, level).rgb + glow;
+    let shine = textureSampleLevel(floor_shine_map, floor_sampler, place.xy, level).rgb * frame.shine.rgb;
+    let near = textureSampleLevel(floor_map, floor_sampler, place.xy, level).rgb + glow + shine;
     return mix(frame.floor_mean.rgb, near, place.z);
 }
 

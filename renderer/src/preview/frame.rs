@@ -9,6 +9,8 @@ use glam::{Vec2, Vec3};
 
 /// Pictures that the first frame is the mean of, at most: they stand in for anti-aliasing.
 pub(super) const TAPS_MAX: u32 = 4;
+/// Largest factor on the environment: products with the largest radiance stay numbers.
+const SCALE_MAX: f32 = 1e30;
 /// How frames are made.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct First {
@@ -21,11 +23,11 @@ pub(super) struct First {
 }
 
 impl First {
-    /// A software adapter takes as long for the vertices as for everything else: one picture there, four elsewhere.
+    /// A software adapter has one place a pixel and little time; others have four places, so that one picture will do.
     pub fn on(device: &wgpu::Device) -> Self {
         match device.adapter_info().device_type {
             wgpu::DeviceType::Cpu => Self { taps: 1, samples: 4, later: 4 },
-            _ => Self { taps: TAPS_MAX, samples: 4, later: 8 },
+            _ => Self { taps: 1, samples: 8, later: 8 },
         }
     }
 }
@@ -48,6 +50,7 @@ impl Preview {
             let before = taps * samples + (step - taps) * later;
             (before, later, before + later)
         };
+        let [sent_on, shine] = sent_on(scene, bounds.radius());
         FrameBlock {
             origin: four(basis.origin, near),
             right_inverse: four(basis.right / basis.right.length_squared(), 0.0),
@@ -56,20 +59,28 @@ impl Preview {
             up: four(basis.up, 0.0),
             forward: four(basis.forward, 0.0),
             jitter: [shift.x, shift.y, width as f32, height as f32],
-            environment: [cos, sin, scene.environment.scale, light.map_or(1.0, |l| l.made.levels.len() as f32)],
+            environment: [
+                cos,
+                sin,
+                scene.environment.scale.clamp(0.0, SCALE_MAX),
+                light.map_or(1.0, |l| l.made.levels.len() as f32),
+            ],
             floor: floor.map_or([0.0; 4], |f| [f.center.x, f.y, f.center.y, f.half_width]),
             floor_mean: four(light.map_or(Vec3::ZERO, |l| l.made.floor_mean), 0.0),
             floor_open: four(light.map_or(Vec3::ZERO, |l| l.made.up), 0.0),
             samples: [first as f32, count as f32, all as f32, f32::from(u8::from(self.baker.has_result()))],
             body: four(bounds.center(), bounds.radius()),
-            sent_on: sent_on(scene, bounds.radius()),
+            sent_on,
+            shine,
         }
     }
 }
 
-/// Share of light that the edited objects send on where it falls on them, all ways together, and how much of it they stop at all.
-fn sent_on(scene: &Scene, radius: f32) -> [f32; 4] {
-    let Some(object) = scene.objects.iter().find(|o| o.is_document) else { return [0.0, 0.0, 0.0, 1.0] };
+/// Share of light that the edited objects send on where it falls on them, all ways together, and how much of it they stop at all; and the
+/// radiance that they shine with under an environment of factor 1.
+fn sent_on(scene: &Scene, radius: f32) -> [[f32; 4]; 2] {
+    let nothing = [[0.0, 0.0, 0.0, 1.0], [0.0; 4]];
+    let Some(object) = scene.objects.iter().find(|o| o.is_document) else { return nothing };
     let inputs = object.material.inputs().convert(|x| x as f32);
     let optics = interpret(&inputs, LobeSet::of(&object.material), object.length_scale as f32);
     let f0 = 0.04 * (1.0 - optics.w_metal);
@@ -80,7 +91,8 @@ fn sent_on(scene: &Scene, radius: f32) -> [f32; 4] {
         let through = optics.w_transmission * (1.0 - f0) * optics.transmission_tint.0[k].powi(2) * (-depth.min(80.0)).exp();
         (surface + through).clamp(0.0, 1.0)
     };
-    [color(0), color(1), color(2), optics.opacity]
+    let shine = optics.emission.0.map(|x| (x / scene.environment.scale.max(1e-6)).min(1e6));
+    [[color(0), color(1), color(2), optics.opacity], [shine[0], shine[1], shine[2], 0.0]]
 }
 
 /// Place of a picture within the pixel, -0.5 to 0.5: its middle or a rotated grid first, then an even sequence (Roberts 2018).

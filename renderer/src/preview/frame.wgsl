@@ -25,6 +25,8 @@ struct Frame {
     body: vec4f,
     // Share of light that the edited objects send on where it falls on them; w: how much of it they stop at all.
     sent_on: vec4f,
+    // Radiance that they shine with, under an environment of factor 1.
+    shine: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -39,6 +41,9 @@ struct Frame {
 // What white bodies in the place of the edited ones add to the floor's light and to its radiance.
 @group(0) @binding(8) var floor_glow: texture_2d<f32>;
 @group(0) @binding(9) var floor_glow_map: texture_2d<f32>;
+// The same for bodies that shine with radiance 1.
+@group(0) @binding(10) var floor_shine: texture_2d<f32>;
+@group(0) @binding(11) var floor_shine_map: texture_2d<f32>;
 
 // Numbers that a half float holds: radiance beyond is cut, which no display shows.
 const RADIANCE_MAX: f32 = 60000.0;

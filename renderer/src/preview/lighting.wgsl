@@ -52,9 +52,14 @@ fn arriving(s: Surface, d: vec3f, angle: f32, near_radiance: vec3f) -> vec3f {
     return mix(far, near_radiance, coverage(s, d));
 }
 
+// Factor on the number of samples: round cones fill a stretched lobe only if they are many.
+fn samples_of_lobe(o: Optics) -> f32 {
+    return select(1.0, 4.0, o.anisotropy > 0.0);
+}
+
 // Width in radians of the cone that one sample of density `pdf` stands for; a delta lobe's is that of the pixel.
-fn sample_angle(s: Surface, pdf: f32, is_delta: bool) -> f32 {
-    let own = select(1.0 / max(frame.samples.z * pdf, 1e-6), 0.0, is_delta || pdf <= 0.0);
+fn sample_angle(o: Optics, s: Surface, pdf: f32, is_delta: bool) -> f32 {
+    let own = select(1.0 / max(frame.samples.z * samples_of_lobe(o) * pdf, 1e-6), 0.0, is_delta || pdf <= 0.0);
     return sqrt(own + s.spread * s.spread);
 }
 
@@ -78,7 +83,7 @@ fn reflections(prepared: Bsdf, s: Surface, near_radiance: vec3f) -> vec3f {
     b.p_interface = b.p_interface / total;
 
     // Every lobe gets its own samples: choosing lobes at random would show as steps between neighbouring pixels.
-    let each = u32(frame.samples.y);
+    let each = u32(frame.samples.y * samples_of_lobe(b.optics));
     var coat_count = 0u;
     if HAS_COAT && b.p_coat > 0.0 {
         coat_count = select(each, 1u, b.optics.coat_is_smooth);
@@ -105,7 +110,7 @@ fn reflections(prepared: Bsdf, s: Surface, near_radiance: vec3f) -> vec3f {
             share = b.p_sheen / f32(max(sheen_count, 1u));
             k = i - coat_count;
         }
-        let u = sequence(frame.samples.x + f32(k));
+        let u = sequence(frame.samples.x * samples_of_lobe(b.optics) + f32(k));
         let drawn = bsdf_sample(b, vec4f(choice, u.xy, 0.0));
         var reflect_share = 1.0;
         if HAS_TRANSMISSION && i >= coat_count + sheen_count {
@@ -116,12 +121,12 @@ fn reflections(prepared: Bsdf, s: Surface, near_radiance: vec3f) -> vec3f {
             let bent = bsdf_sample(b, vec4f(choice, u.xy, 0.9999999));
             if bent.is_transmission && bent.is_valid && reflect_share < 1.0 {
                 let weight = bent.weight * (share * (1.0 - reflect_share));
-                let angle = sample_angle(s, bent.pdf, bent.is_delta);
+                let angle = sample_angle(b.optics, s, bent.pdf, bent.is_delta);
                 radiance += weight * through_body(b.optics, s, to_world(s, bent.wi), angle, u);
             }
         }
         if drawn.is_valid && !drawn.is_transmission {
-            let angle = sample_angle(s, drawn.pdf, drawn.is_delta);
+            let angle = sample_angle(b.optics, s, drawn.pdf, drawn.is_delta);
             radiance += drawn.weight * (share * reflect_share) * arriving(s, to_world(s, drawn.wi), angle, near_radiance);
         }
     }

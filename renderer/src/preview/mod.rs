@@ -9,7 +9,7 @@
 //!
 //! * Bounces. Objects see the environment, the floor with its light map, and soft shapes of what is near (nine spherical
 //!   harmonics per vertex); they do not see sharp images of themselves, of the stand or of each other.
-//! * The object colours the floor as a matt body of its mean colour would; no caustics appear.
+//! * The object colours and lights the floor as a matt body of its mean colour would; no caustics appear.
 //! * Diffuse light comes from irradiance: the coupling with the reflecting interface takes its mean over directions, which is
 //!   exact under even light and off by a few percent of the diffuse part elsewhere.
 //! * Between a body's own walls light goes to and fro as if all were diffuse and equally lit; concave metal comes out too smooth.
@@ -142,6 +142,9 @@ struct Stage {
     /// What white bodies in the place of the edited ones add to both.
     glow_radiance: wgpu::TextureView,
     glow: wgpu::TextureView,
+    /// The same for bodies that shine with radiance 1.
+    shine_radiance: wgpu::TextureView,
+    shine: wgpu::TextureView,
 }
 
 /// One object on the device.
@@ -186,8 +189,16 @@ impl Preview {
             (blocks("frame", size_of::<FrameBlock>()), blocks("output", 32))
         })?;
         let black = || upload::upload_levels(device, queue, "no floor", &[upload::black()]);
-        let stage =
-            Stage { key: Vec::new(), floor: None, radiance: black()?, light: black()?, glow_radiance: black()?, glow: black()? };
+        let stage = Stage {
+            key: Vec::new(),
+            floor: None,
+            radiance: black()?,
+            light: black()?,
+            glow_radiance: black()?,
+            glow: black()?,
+            shine_radiance: black()?,
+            shine: black()?,
+        };
         Ok(Self {
             pipelines,
             samplers: Samplers::new(device),

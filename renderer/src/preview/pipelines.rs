@@ -320,6 +320,8 @@ fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         entry(7, FRAGMENT, tables),
         picture(8, true, plain),
         picture(9, true, plain),
+        picture(10, true, plain),
+        picture(11, true, plain),
     ];
     layout(device, "frame", &entries)
 }

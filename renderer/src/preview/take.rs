@@ -94,7 +94,16 @@ impl Preview {
         let radiance = upload::upload_levels(device, queue, "floor radiance", &radiance)?;
         let light = upload::upload_levels(device, queue, "floor light", &[upload::black()])?;
         let black = || upload::upload_levels(device, queue, "no glow", &[upload::black()]);
-        self.stage = Stage { key, floor, radiance, light, glow_radiance: black()?, glow: black()? };
+        self.stage = Stage {
+            key,
+            floor,
+            radiance,
+            light,
+            glow_radiance: black()?,
+            glow: black()?,
+            shine_radiance: black()?,
+            shine: black()?,
+        };
         Ok(true)
     }
 
@@ -224,6 +233,8 @@ impl Preview {
                         wgpu::BindGroupEntry { binding: 7, resource: self.tables.buffer.as_entire_binding() },
                         view(8, &self.stage.glow),
                         view(9, &self.stage.glow_radiance),
+                        view(10, &self.stage.shine),
+                        view(11, &self.stage.shine_radiance),
                     ],
                 })
             })

@@ -33,6 +33,7 @@ pub(super) struct FrameBlock {
     pub samples: [f32; 4],
     pub body: [f32; 4],
     pub sent_on: [f32; 4],
+    pub shine: [f32; 4],
 }
 
 /// `struct Object` of `maps.wgsl`.
