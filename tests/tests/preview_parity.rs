@@ -24,7 +24,7 @@ const CASES: [(&str, f64, f64); 12] = [
     ("Red wine", CLEAR, 0.30),
 ];
 /// Pixels along each side.
-const SIDE: usize = 72;
+const SIDE: usize = 56;
 const OPAQUE: f64 = 0.05;
 const CLEAR: f64 = 0.10;
 /// Departure of luminance on the object and on the rest: what noise leaves at this size, and rare bright dots behind glass.
@@ -41,7 +41,7 @@ fn the_accumulated_preview_is_near_the_final_view() {
         let light = EnvironmentLight { map: map.clone(), rotation_deg: 0.0, scale: 1.0 };
         let scene = Scene::of_model(&model, Arc::new(file.material().clone()), Arc::default(), light, 100.0);
         // Glass is noisy on both sides.
-        let (samples, final_samples) = if accumulated == CLEAR { (128, 768) } else { (80, 192) };
+        let (samples, final_samples) = if accumulated == CLEAR { (256, 768) } else { (80, 192) };
         let (threads, display) = (2, Display::default());
         let settings = ParitySettings { width: SIDE, height: SIDE, samples, final_samples, seed: 3, threads, display };
         let parity = compare(&device, &queue, &scene, &settings, &mut |_| true).expect(name);

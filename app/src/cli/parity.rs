@@ -25,8 +25,8 @@ pub struct ParityArguments {
     /// Draws FLIP per pixel of the accumulated picture, 0 dark blue to 1 yellow
     #[arg(long, value_name = "FILE.png")]
     heatmap: Option<PathBuf>,
-    /// Samples per pixel of the rays in the accumulated picture, at most 128
-    #[arg(long, value_name = "N", default_value_t = 64, allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=128))]
+    /// Samples per pixel of the rays in the accumulated picture: at most 128, or 256 where light goes through the material
+    #[arg(long, value_name = "N", default_value_t = 64, allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=256))]
     spp: u32,
     /// Samples per pixel of each of the two finals
     #[arg(long, value_name = "N", default_value_t = 256, allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..))]

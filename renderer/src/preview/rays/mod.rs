@@ -11,7 +11,7 @@ use super::device::PreviewError;
 use super::upload::ObjectBlock;
 use crate::path::Flat;
 use crate::scene::Scene;
-use burnish_material::LobeSet;
+use burnish_material::{Lobe, LobeSet};
 use glam::Vec3;
 use pipelines::RayPipelines;
 use std::sync::Arc;
@@ -22,8 +22,8 @@ use upload::{RaysBlock, SceneBuffers};
 pub(super) const DRAWN_COUNTS: f32 = 16.0;
 /// Samples per pixel from which the drawn picture fades, and at which it is gone.
 pub(super) const DRAWN_FADES: [f32; 2] = [24.0, 64.0];
-/// Samples per pixel after which the picture rests.
-const SAMPLES_MAX: u32 = 128;
+/// Samples per pixel after which the picture rests: of opaque scenes, and of those that light goes through.
+const SAMPLES_MAX: [u32; 2] = [128, 256];
 /// Side of a tile, pixels: that of a workgroup.
 const TILE: u32 = 8;
 /// Deepest tree that the shader's stack holds.
@@ -47,6 +47,8 @@ pub(super) struct Rays {
     is_stale: bool,
     /// Tiles traced since then.
     traced: u64,
+    /// Lobes of the scene.
+    lobes: LobeSet,
     /// Why there are none, if there will be none.
     problem: Option<PreviewError>,
 }
@@ -83,6 +85,7 @@ impl Rays {
             bind: None,
             is_stale: true,
             traced: 0,
+            lobes: LobeSet::EMPTY,
             problem: None,
         })
     }
@@ -111,7 +114,7 @@ impl Rays {
 
     /// Whether further samples would refine the picture.
     pub fn wants_more(&self) -> bool {
-        self.problem.is_none() && self.samples() < SAMPLES_MAX
+        self.problem.is_none() && self.samples() < SAMPLES_MAX[usize::from(self.lobes.has(Lobe::transmission))]
     }
 
     /// Why no rays are traced, if that is so.
@@ -147,6 +150,7 @@ impl Rays {
         given: &Given<'_>,
         wait: bool,
     ) -> Result<bool, PreviewError> {
+        self.lobes = given.lobes;
         if self.flat.as_ref().is_none_or(|flat| !flat.is_of(given.scene)) && !self.flatten(given.scene, wait) {
             return Ok(false);
         }
