@@ -9,6 +9,7 @@ use burnish_presets::find;
 use burnish_renderer::preview::{Preview, headless_device};
 use burnish_renderer::scene::{EnvironmentLight, ModelMeshes, Scene};
 use burnish_renderer::tonemap::Display;
+use std::io::Write;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -20,6 +21,7 @@ const EDITS: usize = 40;
 const SAMPLES: usize = 16;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut out = std::io::stdout().lock();
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word.contains('x')).collect();
     let sizes: Vec<(u32, u32)> = words
         .iter()
@@ -28,11 +30,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     let sizes = if sizes.is_empty() { vec![(1920, 1080), (3840, 2160)] } else { sizes };
     let (adapter, device, queue) = headless_device()?;
-    println!("{}", adapter.get_info().name);
-    println!(
+    writeln!(out, "{}", adapter.get_info().name)?;
+    writeln!(
+        out,
         "milliseconds: passes of a drawn frame by the device's clock; from an edit until the device is done, median and worst; a frame with a\nsample of rays for every pixel until the device is done"
-    );
-    println!("{:<22} {:>10} {:>8} {:>8} {:>8} {:>8}", "preset", "size", "drawn", "edit", "worst", "rays");
+    )?;
+    writeln!(out, "{:<22} {:>10} {:>8} {:>8} {:>8} {:>8}", "preset", "size", "drawn", "edit", "worst", "rays")?;
     let model: ModelMeshes = make_shape("shader-ball").ok_or("no shader ball")?.into();
     let map = Arc::new((ENVIRONMENTS[0].make)());
     for name in PRESETS {
@@ -71,13 +74,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let worst = edits.iter().copied().fold(0.0, f64::max);
             // The first one waits for the tree and the pipeline.
             let mut rays = rays.split_off(4);
-            println!(
+            writeln!(
+                out,
                 "{name:<22} {:>10} {:>8.2} {:>8.2} {worst:>8.2} {:>8.2}",
                 format!("{width}x{height}"),
                 median(&mut drawn),
                 median(&mut edits),
                 median(&mut rays),
-            );
+            )?;
         }
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! Materials: presets, checks, stability, features.
 
-use super::{Place, quad};
+use super::Place;
 use std::fs;
 
 #[test]

@@ -1,6 +1,6 @@
 //! Errors: comparing pictures, curves against time.
 
-use super::{Place, Run, quad};
+use super::{Place, Run};
 use serde_json::Value;
 use std::fs;
 use std::process::Command;

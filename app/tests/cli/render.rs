@@ -1,6 +1,6 @@
 //! Pictures: what is written, said and obeyed.
 
-use super::{Place, Run, SCENE, pixels, quad};
+use super::{Place, Run, SCENE, pixels};
 use exr::meta::attribute::AttributeValue;
 use serde_json::Value;
 use std::fs;

@@ -1,6 +1,6 @@
 //! Arguments, exit codes, and what cannot be used.
 
-use super::{Place, SCENE, quad};
+use super::{Place, SCENE};
 use std::fs;
 use std::process::Command;
 

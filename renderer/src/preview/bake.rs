@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// Runs the work and keeps what it is working on.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Baker {
     key: Option<Key>,
     generation: Arc<AtomicU64>,
@@ -70,12 +70,6 @@ impl Key {
             && self.meshes.iter().zip(&scene.objects).all(|(mesh, object)| Arc::ptr_eq(mesh, &object.mesh))
             && Arc::ptr_eq(&self.environment, &scene.environment.map)
             && self.rotation_deg == scene.environment.rotation_deg
-    }
-}
-
-impl Default for Baker {
-    fn default() -> Self {
-        Self { key: None, generation: Arc::default(), results: None, has_result: false, last: None }
     }
 }
 
