@@ -87,7 +87,9 @@ impl Timing {
                 period: f64::from(queue.get_timestamp_period()),
             }
         };
-        let device = device.features().contains(wgpu::Features::TIMESTAMP_QUERY).then(make);
+        // A software adapter takes the time before it does the work.
+        let is_hardware = device.adapter_info().device_type != wgpu::DeviceType::Cpu;
+        let device = (is_hardware && device.features().contains(wgpu::Features::TIMESTAMP_QUERY)).then(make);
         Self { device, ..Self::none() }
     }
 
