@@ -15,24 +15,29 @@ impl Bvh {
         if ids.is_empty() {
             return Self::default();
         }
-        let kept: Vec<Triangle> = ids
-            .iter()
-            .map(|&i| {
-                let [a, b, c] = triangles[i as usize];
-                Triangle { v0: a.into(), v1: b.into(), v2: c.into() }
-            })
-            .collect();
-        let params = BvhBuildParams {
-            ploc_search_distance: PlocSearchDistance::Low,
-            max_prims_per_leaf: BLOCK as u32,
-            ..BvhBuildParams::medium_build()
-        };
-        let mut build_time = Duration::ZERO;
-        let binary = build_bvh2_from_tris(&kept, params, &mut build_time);
+        let binary = binary_tree(triangles, &ids);
         let mut builder = Collapse { binary: &binary, triangles, ids: &ids, bvh: Self::default() };
         builder.run();
         builder.bvh
     }
+}
+
+/// A tree of two children a node over those triangles, with up to [`BLOCK`] of them a leaf.
+pub(super) fn binary_tree(triangles: &[[Vec3; 3]], ids: &[u32]) -> Bvh2 {
+    let kept: Vec<Triangle> = ids
+        .iter()
+        .map(|&i| {
+            let [a, b, c] = triangles[i as usize];
+            Triangle { v0: a.into(), v1: b.into(), v2: c.into() }
+        })
+        .collect();
+    let params = BvhBuildParams {
+        ploc_search_distance: PlocSearchDistance::Low,
+        max_prims_per_leaf: BLOCK as u32,
+        ..BvhBuildParams::medium_build()
+    };
+    let mut build_time = Duration::ZERO;
+    build_bvh2_from_tris(&kept, params, &mut build_time)
 }
 
 /// Positions of the triangles that rays can meet: those with an area, and corners that are finite.

@@ -1,15 +1,10 @@
 //! The tree for graphics devices: two children a node, plain words.
 
 use glam::Vec3;
-use obvhs::bvh2::builder::build_bvh2_from_tris;
-use obvhs::triangle::Triangle;
-use obvhs::{BvhBuildParams, ploc::PlocSearchDistance};
-use std::time::Duration;
+use obvhs::bvh2::Bvh2;
 
 /// Marks a child as a run of triangles: place of the first in bits 3 to 30, their number less one below.
 const LEAF: u32 = 1 << 31;
-/// Triangles a leaf holds at most.
-const LEAF_MAX: u32 = 4;
 /// Places for triangles.
 const TRIANGLES_MAX: usize = 1 << 28;
 
@@ -34,22 +29,9 @@ impl FlatTree {
         if ids.is_empty() {
             return Self::default();
         }
-        let kept: Vec<Triangle> = ids
-            .iter()
-            .map(|&i| {
-                let [a, b, c] = triangles[i as usize];
-                Triangle { v0: a.into(), v1: b.into(), v2: c.into() }
-            })
-            .collect();
-        let params = BvhBuildParams {
-            ploc_search_distance: PlocSearchDistance::Low,
-            max_prims_per_leaf: LEAF_MAX,
-            ..BvhBuildParams::medium_build()
-        };
-        let mut build_time = Duration::ZERO;
-        let binary = build_bvh2_from_tris(&kept, params, &mut build_time);
+        let binary = super::build::binary_tree(triangles, &ids);
         let mut flat = Self::default();
-        flat.triangles.reserve(kept.len());
+        flat.triangles.reserve(ids.len());
         // Children are placed before anything below them: near nodes lie near each other.
         let mut open = Vec::new();
         let root = flat.place(&binary, 0, &ids, triangles, 0, &mut open);
@@ -72,7 +54,7 @@ impl FlatTree {
     /// Gives a node of the source its place and returns its code.
     fn place(
         &mut self,
-        binary: &obvhs::bvh2::Bvh2,
+        binary: &Bvh2,
         source: usize,
         ids: &[u32],
         triangles: &[[Vec3; 3]],

@@ -1,7 +1,6 @@
 //! Drawing a picture: objects front to back, the mean of many frames, the rays beside it, the way to the display.
 
 use super::device::PreviewError;
-use super::frame::TAPS_MAX;
 use super::rays::{self, Rays};
 use super::targets::{BLENDED, Targets};
 use super::timing::Timing;
@@ -98,28 +97,22 @@ impl Preview {
         self.is_provisional = !is_fitting;
 
         let Some(targets) = &self.targets else { return Ok(()) };
-        let taps = if self.steps == 0 { self.first.taps } else { u32::from(self.steps < self.steps_wanted()) };
-        for tap in 0..taps {
-            let step = self.steps + tap;
-            let block = self.frame_block(&scene, width, height, step);
-            let slot = tap as usize;
-            queue.write_buffer(&self.frame_blocks[slot], 0, bytemuck::bytes_of(&block));
-            let Some(frame) = self.frame_binds.get(slot) else { return Ok(()) };
-            draw_objects(encoder, targets, frame, &self.pipelines.background, &objects, self.timing.render("draw"));
-            let params: [f32; 8] = [1.0 / (step + 1) as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-            queue.write_buffer(&self.output_blocks[slot], 0, bytemuck::cast_slice(&params));
-            let [to, from] = [step as usize % 2, (step as usize + 1) % 2];
-            let bind = targets.bind(
-                device,
-                &self.pipelines.layouts,
-                &self.output_blocks[slot],
-                &targets.color,
-                &targets.mean_views[from],
-                None,
-            );
-            screen_pass(encoder, &targets.mean_views[to], &self.pipelines.mean, &bind, self.timing.render("mean"));
+        if self.steps >= self.steps_wanted() {
+            return Ok(());
         }
-        self.steps += taps;
+        let step = self.steps;
+        let block = self.frame_block(&scene, width, height, step);
+        queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&block));
+        let Some(frame) = &self.frame_bind else { return Ok(()) };
+        draw_objects(encoder, targets, frame, &self.pipelines.background, &objects, self.timing.render("draw"));
+        let params: [f32; 8] = [1.0 / (step + 1) as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let [of_mean, _] = &self.output_buffers;
+        queue.write_buffer(of_mean, 0, bytemuck::cast_slice(&params));
+        let [to, from] = [step as usize % 2, (step as usize + 1) % 2];
+        let (layouts, before) = (&self.pipelines.layouts, &targets.mean_views[from]);
+        let bind = targets.bind(device, layouts, of_mean, &targets.color, before, None);
+        screen_pass(encoder, &targets.mean_views[to], &self.pipelines.mean, &bind, self.timing.render("mean"));
+        self.steps += 1;
         Ok(())
     }
 
@@ -137,12 +130,11 @@ impl Preview {
         display: Display,
     ) -> Result<(), PreviewError> {
         let Some(targets) = &self.targets else { return Ok(()) };
-        let slot = TAPS_MAX as usize;
         let [fades, gone] = rays::DRAWN_FADES;
         let (ev, transform) = (display.exposure_ev, display.transform as u32 as f32);
         let params: [f32; 8] = [0.0, ev, transform, 0.0, rays::DRAWN_COUNTS, fades, gone, f32::from(u8::from(self.is_blended))];
-        queue.write_buffer(&self.output_blocks[slot], 0, bytemuck::cast_slice(&params));
-        let (block, layouts) = (&self.output_blocks[slot], &self.pipelines.layouts);
+        let ([_, block], layouts) = (&self.output_buffers, &self.pipelines.layouts);
+        queue.write_buffer(block, 0, bytemuck::cast_slice(&params));
         let mean = (self.steps as usize + 1) % 2;
         if self.is_blended {
             let bind = targets.bind(device, layouts, block, &targets.mean_views[mean], &targets.color, self.rays.sums());

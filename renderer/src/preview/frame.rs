@@ -7,29 +7,12 @@ use crate::scene::Scene;
 use burnish_material::LobeSet;
 use glam::{Vec2, Vec3};
 
-/// Pictures that the first frame is the mean of, at most: they stand in for anti-aliasing.
-pub(super) const TAPS_MAX: u32 = 4;
 /// Largest factor on the environment: products with the largest radiance stay numbers.
 const SCALE_MAX: f32 = 1e30;
-/// How frames are made.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct First {
-    /// Pictures, at most [`TAPS_MAX`].
-    pub taps: u32,
-    /// Samples per lobe in each.
-    samples: u32,
-    /// Samples per lobe in each picture that follows.
-    later: u32,
-}
 
-impl First {
-    /// A software adapter has one place a pixel and little time; others have four places, so that one picture will do.
-    pub fn on(device: &wgpu::Device) -> Self {
-        match device.adapter_info().device_type {
-            wgpu::DeviceType::Cpu => Self { taps: 1, samples: 4, later: 4 },
-            _ => Self { taps: 1, samples: 8, later: 8 },
-        }
-    }
+/// Samples per lobe in each picture. A software adapter has little time for them.
+pub(super) fn samples_on(device: &wgpu::Device) -> u32 {
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 4 } else { 8 }
 }
 
 impl Preview {
@@ -39,17 +22,11 @@ impl Preview {
         let four = |v: Vec3, w: f32| v.extend(w).to_array();
         let bounds = scene.document_bounds();
         let near = ((basis.origin - bounds.center()).length() * 1e-3).max(1e-6);
-        let shift = (jitter(step, self.first.taps) * 2.0) / Vec2::new(width as f32, height as f32);
+        let shift = (jitter(step) * 2.0) / Vec2::new(width as f32, height as f32);
         let (sin, cos) = scene.environment.rotation_deg.to_radians().sin_cos();
         let light = self.light.as_ref();
         let floor = self.stage.floor.as_ref();
-        let First { taps, samples, later } = self.first;
-        let (first, count, all) = if step < taps {
-            (step * samples, samples, taps * samples)
-        } else {
-            let before = taps * samples + (step - taps) * later;
-            (before, later, before + later)
-        };
+        let (first, count, all) = (step * self.samples, self.samples, (step + 1) * self.samples);
         let [sent_on, shine] = sent_on(scene, bounds.radius());
         FrameBlock {
             origin: four(basis.origin, near),
@@ -95,15 +72,8 @@ fn sent_on(scene: &Scene, radius: f32) -> [[f32; 4]; 2] {
     [[color(0), color(1), color(2), optics.opacity], [shine[0], shine[1], shine[2], 0.0]]
 }
 
-/// Place of a picture within the pixel, -0.5 to 0.5: its middle or a rotated grid first, then an even sequence (Roberts 2018).
-fn jitter(step: u32, taps: u32) -> Vec2 {
-    const GRID: [Vec2; TAPS_MAX as usize] =
-        [Vec2::new(-0.125, -0.375), Vec2::new(0.375, -0.125), Vec2::new(-0.375, 0.125), Vec2::new(0.125, 0.375)];
-    match GRID.get(step as usize) {
-        Some(place) if taps == TAPS_MAX => *place,
-        _ => {
-            let k = step.saturating_sub(if taps == TAPS_MAX { taps } else { 0 }) as f32;
-            Vec2::new((0.5 + k * 0.754_877_7).fract() - 0.5, (0.5 + k * 0.569_840_3).fract() - 0.5)
-        }
-    }
+/// Place of a picture within the pixel, -0.5 to 0.5: its middle first, then an even sequence (Roberts 2018).
+fn jitter(step: u32) -> Vec2 {
+    let k = step as f32;
+    Vec2::new((0.5 + k * 0.754_877_7).fract() - 0.5, (0.5 + k * 0.569_840_3).fract() - 0.5)
 }

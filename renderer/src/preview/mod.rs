@@ -54,7 +54,6 @@ use burnish_material::{LobeSet, Material};
 use device::guarded;
 use environment::Prefiltered;
 use floor::Floor;
-use frame::{First, TAPS_MAX};
 use glam::Vec3;
 use pipelines::{PipelineKind, Pipelines};
 use rays::Rays;
@@ -77,9 +76,10 @@ pub struct Preview {
     pipelines: Pipelines,
     samplers: Samplers,
     tables: albedos::Tables,
-    frame_blocks: Vec<wgpu::Buffer>,
-    frame_binds: Vec<wgpu::BindGroup>,
-    output_blocks: Vec<wgpu::Buffer>,
+    frame_buffer: wgpu::Buffer,
+    frame_bind: Option<wgpu::BindGroup>,
+    /// Of the mean, and of what is shown.
+    output_buffers: [wgpu::Buffer; 2],
     /// What is drawn: the scene that was set last, with earlier objects while the tables of its own are being filled.
     scene: Option<Scene>,
     /// The scene that was set last.
@@ -109,7 +109,8 @@ pub struct Preview {
     is_provisional: bool,
     /// Lobes that are evaluated although the edited material does not need them.
     more: LobeSet,
-    first: First,
+    /// Samples per lobe in each frame.
+    samples: u32,
     error: Option<PreviewError>,
 }
 
@@ -173,20 +174,16 @@ impl Preview {
     /// Compiles the passes that every picture needs. Takes some tens of milliseconds.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self, PreviewError> {
         let pipelines = Pipelines::new(device)?;
-        let blocks = |label, size: usize| {
-            (0..TAPS_MAX + 1)
-                .map(|_| {
-                    device.create_buffer(&wgpu::BufferDescriptor {
-                        label: Some(label),
-                        size: size as u64,
-                        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                        mapped_at_creation: false,
-                    })
-                })
-                .collect()
+        let uniform = |label, size: usize| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
         };
-        let (frame_blocks, output_blocks) = guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || {
-            (blocks("frame", size_of::<FrameBlock>()), blocks("output", 32))
+        let (frame_buffer, output_buffers) = guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || {
+            (uniform("frame", size_of::<FrameBlock>()), [uniform("mean", 32), uniform("display", 32)])
         })?;
         let black = || upload::upload_levels(device, queue, "no floor", &[upload::black()]);
         let stage = Stage {
@@ -203,9 +200,9 @@ impl Preview {
             pipelines,
             samplers: Samplers::new(device),
             tables: albedos::Tables::new(device)?,
-            frame_blocks,
-            frame_binds: Vec::new(),
-            output_blocks,
+            frame_buffer,
+            frame_bind: None,
+            output_buffers,
             scene: None,
             wanted: None,
             light: None,
@@ -226,7 +223,7 @@ impl Preview {
             steps: 0,
             is_provisional: false,
             more: LobeSet::EMPTY,
-            first: First::on(device),
+            samples: frame::samples_on(device),
             error: None,
         })
     }

@@ -36,7 +36,7 @@ impl Preview {
         self.wanted = Some(scene.clone());
         let (objects, albedos) = self.objects_with_albedos(scene);
         let scene = &Scene { objects, ..scene.clone() };
-        let mut is_rebound = self.frame_binds.is_empty();
+        let mut is_rebound = self.frame_bind.is_none();
         is_rebound |= self.take_stage(device, queue, scene)?;
         is_rebound |= self.take_light(device, queue, scene)?;
         let (begins, is_moved) = self.tables.hold(device, queue, &albedos)?;
@@ -215,30 +215,24 @@ impl Preview {
         let Some(light) = &self.light else { return };
         let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
         let sampler = |binding, sampler| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::Sampler(sampler) };
-        self.frame_binds = self
-            .frame_blocks
-            .iter()
-            .map(|block| {
-                device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("frame"),
-                    layout: &self.pipelines.layouts.frame,
-                    entries: &[
-                        wgpu::BindGroupEntry { binding: 0, resource: block.as_entire_binding() },
-                        view(1, &light.radiance),
-                        sampler(2, &self.samplers.sphere),
-                        view(3, &light.irradiance),
-                        view(4, &self.stage.light),
-                        view(5, &self.stage.radiance),
-                        sampler(6, &self.samplers.floor),
-                        wgpu::BindGroupEntry { binding: 7, resource: self.tables.buffer.as_entire_binding() },
-                        view(8, &self.stage.glow),
-                        view(9, &self.stage.glow_radiance),
-                        view(10, &self.stage.shine),
-                        view(11, &self.stage.shine_radiance),
-                    ],
-                })
-            })
-            .collect();
+        self.frame_bind = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("frame"),
+            layout: &self.pipelines.layouts.frame,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: self.frame_buffer.as_entire_binding() },
+                view(1, &light.radiance),
+                sampler(2, &self.samplers.sphere),
+                view(3, &light.irradiance),
+                view(4, &self.stage.light),
+                view(5, &self.stage.radiance),
+                sampler(6, &self.samplers.floor),
+                wgpu::BindGroupEntry { binding: 7, resource: self.tables.buffer.as_entire_binding() },
+                view(8, &self.stage.glow),
+                view(9, &self.stage.glow_radiance),
+                view(10, &self.stage.shine),
+                view(11, &self.stage.shine_radiance),
+            ],
+        }));
     }
 }
 
