@@ -1,6 +1,8 @@
 //! Owen-scrambled Sobol numbers in groups of four dimensions, and hashed numbers.
 //!
 //! Every number is a pure function of (seed, replicate, pixel, index, dimension): no state, so any thread may draw any of them.
+//! Pixels are independent of each other. Ordering them along a Z curve, so that the first samples of neighbours share strata (Ahmed and
+//! Wonka 2020), took 3 to 15 % off the blurred error at 1 and 4 samples and added 5 to 18 % to the relMSE at 16: not worth its code.
 //! Sources: Owen 1995; Laine and Karras 2011; Burley 2020 (JCGT 9/4); constants of the scramble by Nathan Vegdahl.
 
 pub(super) use crate::lanes::MAX_LANES;
