@@ -2,12 +2,17 @@
 
 mod actions;
 mod pictures;
+mod rescue;
 mod screenshot;
+mod window;
+
+pub use window::{WindowOptions, run};
 
 use crate::command::{Command, Menu};
-use crate::dialogs::{Dialogs, SystemDialogs};
+use crate::dialogs::Dialogs;
 use crate::editor::{Document, Editor, ViewMode};
 use crate::history::History;
+use crate::live_costs::LiveCosts;
 use crate::live_difference::LiveDifference;
 use crate::live_final::LiveFinal;
 use crate::live_preview::LivePreview;
@@ -26,6 +31,7 @@ use burnish_material::LobeSet;
 use burnish_renderer::path::{StopRules, unsupported};
 use burnish_renderer::scene::ModelMeshes;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use rescue::Rescue;
 use screenshot::Screenshot;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -64,6 +70,13 @@ pub struct App {
     difference: LiveDifference,
     final_view: Option<LiveFinal>,
     stability: Option<LiveStability>,
+    costs: LiveCosts,
+    /// The window's device, if it has one.
+    render_state: Option<egui_wgpu::RenderState>,
+    /// What a window without its device leaves to the next.
+    rescue: Rescue,
+    /// When the device is to be given up, to see what comes of it.
+    loses_device: Option<Instant>,
     sent: Option<Sent>,
     /// Size of one picture in pixels, from the last frame.
     picture_size: (usize, usize),
@@ -114,6 +127,10 @@ impl App {
             difference: LiveDifference::default(),
             final_view: None,
             stability: None,
+            costs: LiveCosts::default(),
+            render_state: render_state.cloned(),
+            rescue: Rescue::default(),
+            loses_device: None,
             sent: None,
             picture_size: (0, 0),
             last_input: Instant::now(),
@@ -178,6 +195,7 @@ impl App {
         self.ask_about_unsaved(&ctx);
         self.take_drops(&ctx);
         self.mind_the_window(&ctx);
+        self.mind_the_device(&ctx);
         self.mind_the_screenshot(&ctx);
     }
 
@@ -209,7 +227,7 @@ impl App {
             }
         });
         Panel::bottom("lobes").frame(bar(Margin::symmetric(8, 5))).show(ui, |ui| {
-            status::lobe_strip(ui, LobeSet::of(&self.editor.document.material));
+            self.lobe_strip(ui);
         });
         self.stability_panel(ui, &ctx);
         CentralPanel::no_frame().show(ui, |ui| {
@@ -221,6 +239,21 @@ impl App {
             self.pictures(ui, layout);
             self.messages.show(ui, layout.all);
         });
+    }
+
+    fn lobe_strip(&mut self, ui: &mut Ui) {
+        let material = &self.editor.document.material;
+        let needed = LobeSet::of(material);
+        let costs = self.costs.found(needed);
+        if !status::lobe_strip(ui, material, &costs) {
+            return;
+        }
+        let (width, height) = self.picture_size;
+        match self.editor.scene(width.max(1) as f32 / height.max(1) as f32) {
+            _ if costs.is_running => self.costs.cancel(),
+            Some(scene) => self.costs.start(ui.ctx(), scene, needed, [width as u32, height as u32]),
+            None => {}
+        }
     }
 
     fn stability_panel(&mut self, ui: &mut Ui, ctx: &egui::Context) {
@@ -379,51 +412,4 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         self.frame(ui);
     }
-}
-
-/// Opens the window on these files: materials, meshes and environments, told apart by their endings.
-///
-/// With `screenshot`, the window writes a picture of itself there as soon as its content stands, and closes.
-/// An error means that the window could not be opened, which on a machine without any graphics adapter is expected.
-pub fn run(files: Vec<PathBuf>, screenshot: Option<PathBuf>) -> Result<(), eframe::Error> {
-    let viewport = egui::ViewportBuilder::default()
-        .with_title("Burnish")
-        .with_app_id("burnish")
-        .with_inner_size([1280.0, 800.0])
-        .with_min_inner_size([860.0, 520.0])
-        .with_icon(icon())
-        .with_drag_and_drop(true);
-    let mut setup = egui_wgpu::WgpuSetupCreateNew::without_display_handle();
-    setup.device_descriptor = Arc::new(burnish_renderer::preview::device_descriptor);
-    let wgpu_options = egui_wgpu::WgpuConfiguration { wgpu_setup: setup.into(), ..Default::default() };
-    let options = eframe::NativeOptions { viewport, wgpu_options, dithering: false, ..Default::default() };
-    eframe::run_native(
-        "Burnish",
-        options,
-        Box::new(move |cc| {
-            let mut app = App::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), Box::new(SystemDialogs::default()));
-            for file in files {
-                app.load_path(&file, &cc.egui_ctx);
-            }
-            app.screenshot = screenshot.map(Screenshot::new);
-            Ok(Box::new(app))
-        }),
-    )
-}
-
-/// A lit ball, drawn by formula so that no binary stands in the source.
-fn icon() -> egui::IconData {
-    const SIZE: u32 = 64;
-    let mut rgba = Vec::with_capacity((SIZE * SIZE * 4) as usize);
-    for i in 0..SIZE * SIZE {
-        let (x, y) = ((i % SIZE) as f32 - 31.5, (i / SIZE) as f32 - 31.5);
-        let r2 = (x * x + y * y) / (30.0 * 30.0);
-        let z = (1.0 - r2).max(0.0).sqrt();
-        let light = ((-0.5 * x - 0.6 * y) / 30.0 + 0.62 * z).clamp(0.05, 1.0);
-        let glint = light.powi(24);
-        let alpha = ((1.0 - r2) * 24.0).clamp(0.0, 1.0);
-        let shade = |c: f32| (255.0 * (c * light + glint).min(1.0)) as u8;
-        rgba.extend([shade(0.95), shade(0.66), shade(0.32), (255.0 * alpha) as u8]);
-    }
-    egui::IconData { rgba, width: SIZE, height: SIZE }
 }

@@ -53,6 +53,8 @@ pub enum Command {
     ExposureDown,
     /// Show the final view denoised or raw.
     ToggleDenoise,
+    /// Switches the preview's bloom on or off.
+    ToggleBloom,
     /// Show or hide the side panels.
     TogglePanels,
     /// Show or hide the error chart.
@@ -82,7 +84,7 @@ const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 impl Command {
     /// All commands in menu order.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::New,
         Self::Open,
         Self::Save,
@@ -106,6 +108,7 @@ impl Command {
         Self::ExposureUp,
         Self::ExposureDown,
         Self::ToggleDenoise,
+        Self::ToggleBloom,
         Self::TogglePanels,
         Self::ToggleChart,
         Self::ToggleStability,
@@ -137,6 +140,7 @@ impl Command {
             Self::ExposureUp => "Brighter",
             Self::ExposureDown => "Darker",
             Self::ToggleDenoise => "Denoise final view",
+            Self::ToggleBloom => "Bloom in preview",
             Self::TogglePanels => "Side panels",
             Self::ToggleChart => "Error chart",
             Self::ToggleStability => "Stability report",
@@ -168,6 +172,9 @@ impl Command {
             Self::ResetView => "Camera, environment rotation and exposure as at first.",
             Self::ExposureUp => "A third of a stop more exposure.",
             Self::ExposureDown => "A third of a stop less exposure.",
+            Self::ToggleBloom => {
+                "Let what is brighter than white spread around, as a lens does; only where the preview stands alone."
+            }
             Self::ToggleDenoise => "Show the final view denoised, labelled, with an error of its own; the raw picture is kept.",
             Self::TogglePanels => "Show or hide the presets and the properties.",
             Self::ToggleChart => "Show or hide the estimated error over time.",
@@ -200,6 +207,7 @@ impl Command {
             Self::ResetView => const { &[keys(Modifiers::NONE, Key::R)] },
             Self::ExposureUp => const { &[keys(Modifiers::NONE, Key::CloseBracket)] },
             Self::ExposureDown => const { &[keys(Modifiers::NONE, Key::OpenBracket)] },
+            Self::ToggleBloom => &[],
             Self::ToggleDenoise => const { &[keys(Modifiers::NONE, Key::D)] },
             Self::TogglePanels => const { &[keys(Modifiers::NONE, Key::H)] },
             Self::ToggleChart => const { &[keys(Modifiers::NONE, Key::G)] },
@@ -232,6 +240,7 @@ impl Command {
             | Self::ExposureUp
             | Self::ExposureDown
             | Self::ToggleDenoise
+            | Self::ToggleBloom
             | Self::TogglePanels
             | Self::ToggleChart
             | Self::ToggleStability => Menu::View,

@@ -254,6 +254,8 @@ pub struct View {
     pub environment_deg: f32,
     /// When the final view stops by itself.
     pub stop: StopRules,
+    /// Whether the preview shows bloom where it stands alone.
+    pub is_bloom_on: bool,
     /// Whether the final view is shown denoised.
     pub is_denoise_on: bool,
     /// Whether the error-over-time chart is shown with the final view.
@@ -274,6 +276,7 @@ impl Default for View {
             environment_deg: 0.0,
             // A still picture on a busy machine should end by itself; 0.5 % error is below what the eye sees.
             stop: StopRules { spp: Some(4096), seconds: None, relmse: Some(0.005 * 0.005) },
+            is_bloom_on: false,
             is_denoise_on: false,
             is_chart_shown: true,
             is_stability_shown: false,

@@ -1,10 +1,11 @@
 //! The GPU preview inside the window: its device, its texture in egui, and why there is none.
 
-use burnish_renderer::preview::{FrameTimes, Preview};
+use crate::latency::{Latency, Shown};
+use burnish_renderer::preview::{FrameTimes, Preview, PreviewError};
 use burnish_renderer::scene::Scene;
 use burnish_renderer::tonemap::Display;
 use egui_wgpu::{RenderState, wgpu};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The preview, or the sentence that says why there is none.
@@ -12,6 +13,12 @@ pub struct LivePreview {
     state: Result<Gpu, String>,
     /// What the device complained about while running.
     complaint: Arc<Mutex<Option<String>>>,
+    /// Why the device is gone, if it is.
+    loss: Arc<Mutex<Option<String>>>,
+    /// From edits to pictures; the device tells when it has finished one.
+    latency: Arc<Mutex<Latency>>,
+    /// What width and height are divided by because there is no memory for more, and the size that this is about.
+    memory: (u32, (u32, u32)),
     is_refining: bool,
     /// Whether the picture is not yet what it will be.
     is_owing: bool,
@@ -39,6 +46,8 @@ const LONG_REST: Duration = Duration::from_millis(1500);
 const LONG_REST_SECONDS: f64 = 1.0;
 /// What rays may take of a frame on hardware.
 const RAY_SECONDS: f64 = 0.010;
+/// Most that a picture is made smaller by for want of memory.
+const MEMORY_DIVISOR_MAX: u32 = 8;
 /// What is assumed of a software adapter before it was measured.
 const SOFTWARE_SECONDS_PER_MEGAPIXEL: f64 = 0.8;
 
@@ -104,12 +113,25 @@ struct Gpu {
     /// Whether the scene changed since.
     is_stale: bool,
     has_scene: bool,
+    has_bloom: bool,
+}
+
+fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    // What is kept is whole between two statements, so a panic elsewhere cannot leave it half changed.
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl LivePreview {
     /// Makes the preview on the window's device. Without one, or where it does not suffice, that is a state to show.
     pub fn new(render_state: Option<&RenderState>) -> Self {
         let complaint: Arc<Mutex<Option<String>>> = Arc::default();
+        let loss: Arc<Mutex<Option<String>>> = Arc::default();
+        if let Some(RenderState { device, .. }) = render_state {
+            let sink = loss.clone();
+            device.set_device_lost_callback(move |reason, message| {
+                locked(&sink).get_or_insert_with(|| format!("{reason:?}: {message}"));
+            });
+        }
         let pace = render_state.map(|state| Pace::of(&state.adapter.get_info())).unwrap_or_default();
         let state = match render_state {
             None => Err("this window has no GPU device".to_owned()),
@@ -117,7 +139,7 @@ impl LivePreview {
                 Preview::new(&render_state.device, &render_state.queue).map_err(|error| error.to_string()).map(|preview| {
                     let sink = complaint.clone();
                     render_state.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-                        sink.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
+                        locked(&sink).get_or_insert_with(|| error.to_string());
                     }));
                     Gpu {
                         preview,
@@ -126,16 +148,18 @@ impl LivePreview {
                         drawn: None,
                         is_stale: true,
                         has_scene: false,
+                        has_bloom: false,
                     }
                 })
             }
         };
-        Self { state, complaint, is_refining: false, is_owing: false, pace }
+        let (latency, memory) = (Arc::default(), (1, (0, 0)));
+        Self { state, complaint, loss, latency, memory, is_refining: false, is_owing: false, pace }
     }
 
     /// A preview that is switched off, with the reason.
     pub fn off(reason: impl Into<String>) -> Self {
-        Self { state: Err(reason.into()), complaint: Arc::default(), is_refining: false, is_owing: false, pace: Pace::default() }
+        Self { state: Err(reason.into()), ..Self::new(None) }
     }
 
     /// Why there is no preview.
@@ -145,7 +169,44 @@ impl LivePreview {
 
     /// What is not as it should be although the preview draws.
     pub fn complaint(&self) -> Option<String> {
-        self.state.as_ref().ok()?.preview.error().map(ToString::to_string)
+        let error = self.state.as_ref().ok()?.preview.error();
+        match (error, self.memory.0) {
+            (Some(error), _) => Some(error.to_string()),
+            (None, 1) => None,
+            (None, divisor) => {
+                Some(format!("Drawn at 1/{divisor} of the resolution: the graphics adapter has no memory for more."))
+            }
+        }
+    }
+
+    /// Why the window's device is gone, if it is: nothing can be drawn with it any more.
+    pub fn loss(&self) -> Option<String> {
+        locked(&self.loss).clone()
+    }
+
+    /// The last edit that reached the picture, and the worst of the last hundred.
+    pub fn latency(&self) -> Option<(Shown, Shown)> {
+        locked(&self.latency).last_and_worst()
+    }
+
+    /// Gives the device up, as a driver does that crashes or is updated.
+    pub fn lose_device(&self) {
+        if let Ok(gpu) = &self.state {
+            gpu.render_state.device.destroy();
+        }
+    }
+
+    /// Switches bloom on the display on or off.
+    pub fn set_bloom(&mut self, has_bloom: bool) {
+        let Ok(gpu) = &mut self.state else { return };
+        if gpu.has_bloom == has_bloom {
+            return;
+        }
+        gpu.has_bloom = has_bloom;
+        gpu.drawn = None;
+        if let Err(error) = gpu.preview.set_bloom(&gpu.render_state.device, has_bloom) {
+            self.state = Err(error.to_string());
+        }
     }
 
     /// Name of the graphics adapter.
@@ -159,6 +220,7 @@ impl LivePreview {
             gpu.preview.set_scene(&gpu.render_state.device, &gpu.render_state.queue, scene);
             gpu.is_stale = true;
             gpu.has_scene = true;
+            locked(&self.latency).edited();
         }
     }
 
@@ -167,7 +229,7 @@ impl LivePreview {
     /// `full` is the size of the picture in pixels, `idle` the time since the user did anything. A slow adapter draws what
     /// changed in fewer pixels first, so that the window follows the hand, and more of them the longer the hand rests.
     pub fn draw(&mut self, full: (u32, u32), display: Display, idle: Duration) -> Option<egui::TextureId> {
-        let complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let complaint = locked(&self.complaint).take();
         if let Some(complaint) = complaint {
             let first_line = complaint.lines().find(|line| !line.trim().is_empty()).unwrap_or_default().trim().to_owned();
             self.state = Err(format!("the graphics driver refused it: {first_line}"));
@@ -183,7 +245,10 @@ impl LivePreview {
             idle if idle < LONG_REST => REST_SECONDS,
             _ => LONG_REST_SECONDS,
         };
-        let divisor = self.pace.divisor(full, limit);
+        if self.memory.1 != full {
+            self.memory = (1, full);
+        }
+        let divisor = self.pace.divisor(full, limit).max(self.memory.0);
         let mut size = ((full.0 / divisor).max(1), (full.1 / divisor).max(1));
         if let Some((drawn, _)) = gpu.drawn
             && !is_new
@@ -195,7 +260,7 @@ impl LivePreview {
                 size = drawn;
             }
             if is_held_back || (drawn == size && !self.is_refining) {
-                self.is_owing = self.is_refining || (drawn != full && idle < LONG_REST + REST);
+                self.is_owing = self.is_refining || (drawn != full && self.memory.0 == 1 && idle < LONG_REST + REST);
                 self.pace.last = None;
                 return gpu.texture;
             }
@@ -208,8 +273,21 @@ impl LivePreview {
         self.is_refining = gpu.preview.draw(device, queue, &mut encoder, size.0, size.1, display);
         queue.submit([encoder.finish()]);
         // With rays a frame takes as long as they are given: that says nothing about the next.
-        if let Some(seconds) = self.pace.end(device, gpu.preview.is_traced()) {
+        let waited = self.pace.end(device, gpu.preview.is_traced());
+        if let Some(seconds) = waited {
             gpu.preview.took(seconds);
+        }
+        if let Some(edit) = locked(&self.latency).drawn(gpu.preview.is_current()) {
+            let latency = self.latency.clone();
+            let note = move || locked(&latency).finished(edit);
+            if waited.is_some() { note() } else { queue.on_submitted_work_done(note) }
+        }
+        if matches!(gpu.preview.error(), Some(PreviewError::Memory(_))) && self.memory.0 < MEMORY_DIVISOR_MAX {
+            // Smaller pictures need less: what was there before has to do for this frame.
+            self.memory.0 = 2 * divisor.min(MEMORY_DIVISOR_MAX / 2);
+            gpu.preview.forget_error();
+            (gpu.drawn, self.is_owing) = (None, true);
+            return gpu.texture;
         }
         if let Some(view) = gpu.preview.display_view() {
             let mut renderer = renderer.write();
@@ -221,7 +299,7 @@ impl LivePreview {
         }
         gpu.drawn = Some((size, display));
         gpu.is_stale = false;
-        self.is_owing = self.is_refining || size != full;
+        self.is_owing = self.is_refining || (size != full && self.memory.0 == 1);
         gpu.texture
     }
 

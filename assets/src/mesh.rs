@@ -146,7 +146,7 @@ impl Mesh {
     }
 
     /// For each vertex the mean direction of the triangles that share it, weighted by their areas.
-    fn area_weighted_normals(&self) -> Vec<Vec3> {
+    pub fn area_weighted_normals(&self) -> Vec<Vec3> {
         let mut normals = vec![Vec3::ZERO; self.positions.len()];
         for &t in &self.triangles {
             let area = doubled_area(&self.positions, t);

@@ -261,7 +261,7 @@ fn what_is_left_out_would_not_have_shown() {
         let picture = |more: LobeSet| {
             let mut preview = Preview::new(&device, &queue).expect("the preview can be made");
             preview.set_scene(&device, &queue, &scene);
-            preview.set_more_lobes(more);
+            preview.set_lobes(more, LobeSet::EMPTY);
             preview.render(&device, &queue, SIDE as u32, SIDE as u32, 2).expect("the preview draws");
             preview.read_linear(&device, &queue).expect("the picture can be read")
         };

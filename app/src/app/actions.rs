@@ -93,6 +93,7 @@ impl App {
             }
             Command::ExposureUp => view.display.exposure_ev = third(view.display.exposure_ev + EXPOSURE_STEP),
             Command::ExposureDown => view.display.exposure_ev = third(view.display.exposure_ev - EXPOSURE_STEP),
+            Command::ToggleBloom => view.is_bloom_on = !view.is_bloom_on,
             Command::ToggleDenoise => view.is_denoise_on = !view.is_denoise_on,
             Command::TogglePanels => view.are_panels_shown = !view.are_panels_shown,
             Command::ToggleChart => view.is_chart_shown = !view.is_chart_shown,

@@ -4,10 +4,10 @@ use super::App;
 use crate::command::Command;
 use crate::editor::{View, ViewMode};
 use crate::live_final::LiveFinal;
-use crate::live_preview::REST;
+use crate::live_preview::{LivePreview, REST};
 use crate::panels::chart::{self, ErrorCurve};
 use crate::panels::status::{self, Status};
-use crate::panels::viewport::{self, Layout, Picture};
+use crate::panels::viewport::{self, Layout, Picture, WayOut};
 use crate::panels::wipe;
 use egui::{Rect, Ui};
 use std::time::Duration;
@@ -28,8 +28,9 @@ impl App {
             let notes = self.preview.complaint().into_iter().collect();
             let problem = self.preview.problem();
             let picture = Picture { texture, name: "Preview", notes, label: None, reserved: 0.0, problem };
-            if mode != ViewMode::Difference && viewport::paint(ui, rect, part_of(rect, true), &picture, is_named) {
-                self.carry_out(Command::ShowFinal, &ctx);
+            if mode != ViewMode::Difference {
+                let way = viewport::paint(ui, rect, part_of(rect, true), &picture, is_named);
+                self.take_way(way, &ctx);
             }
         }
         let Some(rect) = layout.final_view else { return };
@@ -71,6 +72,7 @@ impl App {
         if self.editor.model.is_none() || self.editor.environment.is_none() {
             return None;
         }
+        self.preview.set_bloom(self.editor.view.is_bloom_on && self.editor.view.mode == ViewMode::Preview);
         let texture = self.preview.draw(size, self.editor.view.display, idle);
         if self.preview.is_owing() {
             // Right after an event, wait for the hand to rest; then go on without a pause.
@@ -87,8 +89,20 @@ impl App {
         let label = (!self.difference.text().is_empty()).then(|| self.difference.text().to_owned());
         let problem = self.preview.problem();
         let picture = Picture { texture, name: "Difference", notes: Vec::new(), label, reserved: 0.0, problem };
-        if viewport::paint(ui, rect, rect, &picture, true) {
-            self.carry_out(Command::ShowFinal, &ui.ctx().clone());
+        let way = viewport::paint(ui, rect, rect, &picture, true);
+        self.take_way(way, &ui.ctx().clone());
+    }
+
+    /// Out of having no preview.
+    fn take_way(&mut self, way: Option<WayOut>, ctx: &egui::Context) {
+        match way {
+            Some(WayOut::ShowFinal) => self.carry_out(Command::ShowFinal, ctx),
+            Some(WayOut::TryAgain) => {
+                self.preview = LivePreview::new(self.render_state.as_ref());
+                // Everything is told to it again.
+                self.sent = None;
+            }
+            None => {}
         }
     }
 
@@ -99,7 +113,10 @@ impl App {
         let adapter = self.preview.adapter().unwrap_or_default();
         let samples = self.preview.ray_samples();
         let rays = if samples > 0 { format!("   {samples} samples of rays") } else { String::new() };
-        let preview = format!("Preview {width} × {height}{rays}");
+        let edit = self.preview.latency().map_or_else(String::new, |(last, worst)| {
+            format!("   edit to pixel {:.0} ms (worst {:.0} ms, {} frames)", last.ms, worst.ms, worst.frames)
+        });
+        let preview = format!("Preview {width} × {height}{rays}{edit}");
         let graph = self.preview.frame_graph().map_or_else(String::new, |(times, problem)| status::frame_text(times, problem));
         let snapshot = self.final_view.as_ref().and_then(LiveFinal::current);
         let (picture, details) = match (self.editor.view.mode.has_final(), snapshot) {

@@ -2,14 +2,13 @@
 
 use super::progress_line::ProgressLine;
 use super::scene_options::{LoadedScene, SceneOptions};
-use super::switches::switched_by;
 use super::{CliError, Messages, Outcome, interrupt, print_out};
+use crate::lobe_costs::{Change, Meter, median};
+use crate::switches::switched_by;
 use burnish_material::{LOBES, LobeSet, Material};
 use burnish_renderer::path::{Film, Prepared, render_pass};
-use burnish_renderer::preview::{self, Preview, PreviewError};
-use burnish_renderer::tonemap::Display;
+use burnish_renderer::preview::PreviewError;
 use clap::Args;
-use egui_wgpu::wgpu;
 use serde_json::{Value, json};
 use std::time::Instant;
 
@@ -23,6 +22,8 @@ const SECONDS: f64 = 0.25;
 const SPP_MAX: u32 = 256;
 /// Frames of the preview that are timed at most, pruned and full in turn.
 const FRAMES: usize = 12;
+/// The same for a single lobe.
+const FRAMES_OF_LOBE: usize = 5;
 
 /// Arguments of `burnish features`.
 #[derive(Debug, Default, Args)]
@@ -52,6 +53,8 @@ struct PreviewCost {
     frame_full: f64,
     compile: f64,
     compile_full: f64,
+    /// What each lobe takes of a frame, or would, in the order of the table.
+    lobes: Vec<f64>,
     adapter: String,
 }
 
@@ -63,7 +66,7 @@ pub fn run(arguments: &FeaturesArguments) -> Result<Outcome, CliError> {
     let needed = LobeSet::of(&material);
     let mut line = ProgressLine::new();
     line.show(|| "final view with all lobes".to_owned());
-    let mut meter = Meter::new(&loaded, arguments.scene.threads(), arguments.scene.seed)?;
+    let mut meter = FinalMeter::new(&loaded, arguments.scene.threads(), arguments.scene.seed)?;
     let full = meter.cost(LobeSet::all(), REPEATS)?;
     let mut of_lobes = Vec::new();
     for def in LOBES {
@@ -73,7 +76,7 @@ pub fn run(arguments: &FeaturesArguments) -> Result<Outcome, CliError> {
         of_lobes.push(if is_evaluated { Some(meter.cost(more, REPEATS_OF_LOBE)?) } else { None });
     }
     line.show(|| "preview".to_owned());
-    let preview = preview_cost(&loaded);
+    let preview = preview_cost(&loaded, needed, &mut line);
     line.clear();
     interrupt::check()?;
 
@@ -81,13 +84,15 @@ pub fn run(arguments: &FeaturesArguments) -> Result<Outcome, CliError> {
         let lobes: Vec<Value> = LOBES
             .iter()
             .zip(&of_lobes)
-            .map(|(def, cost)| {
+            .enumerate()
+            .map(|(i, (def, cost))| {
                 json!({
                     "name": def.name,
                     "in": needed.has(def.lobe),
                     "reason": reason(&material, needed, def),
                     "final_ratio": cost.as_ref().map(|cost| cost.ratio),
                     "z": cost.as_ref().map(|cost| cost.z),
+                    "preview_ms": preview.as_ref().ok().and_then(|p| p.lobes.get(i)),
                 })
             })
             .collect();
@@ -106,10 +111,12 @@ pub fn run(arguments: &FeaturesArguments) -> Result<Outcome, CliError> {
         .to_string()
     } else {
         let mut text = String::new();
-        for (def, cost) in LOBES.iter().zip(&of_lobes) {
+        for (i, (def, cost)) in LOBES.iter().zip(&of_lobes).enumerate() {
             let state = if needed.has(def.lobe) { "in " } else { "out" };
             let ratio = cost.as_ref().map_or_else(String::new, |cost| format!("  final x{:.2} with it", cost.ratio));
-            text += &format!("{state}  {:<20}{}{ratio}\n", def.name, reason(&material, needed, def));
+            let ms = preview.as_ref().ok().and_then(|p| p.lobes.get(i));
+            let ms = ms.map_or_else(String::new, |ms| format!("  preview {ms:+.2} ms"));
+            text += &format!("{state}  {:<20}{}{ratio}{ms}\n", def.name, reason(&material, needed, def));
         }
         text += &format!(
             "final: {:.2} times as fast as with all lobes (pictures differ by {:.1} standard errors)\n",
@@ -136,7 +143,7 @@ fn reason(material: &Material, needed: LobeSet, def: &burnish_material::LobeDef)
 }
 
 /// Renders with and without lobes in turn.
-struct Meter<'a> {
+struct FinalMeter<'a> {
     loaded: &'a LoadedScene,
     pruned: Prepared,
     spp: u32,
@@ -144,7 +151,7 @@ struct Meter<'a> {
     seed: u64,
 }
 
-impl<'a> Meter<'a> {
+impl<'a> FinalMeter<'a> {
     fn new(loaded: &'a LoadedScene, threads: usize, seed: u64) -> Result<Self, CliError> {
         let mut meter = Self { loaded, pruned: Prepared::new(&loaded.scene, None), spp: 1, threads, seed };
         // Twice: the first picture also warms buffers up.
@@ -193,51 +200,27 @@ fn difference(a: &Film, b: &Film) -> f64 {
     (0..3).map(z).fold(0.0, f64::max)
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(1.0)
-}
-
-fn preview_cost(loaded: &LoadedScene) -> Result<PreviewCost, PreviewError> {
-    let (adapter, device, queue) = preview::headless_device()?;
-    let limit = device.limits().max_texture_dimension_2d;
-    let size = [loaded.width, loaded.height].map(|side| (side as u32).min(limit));
-    let make = |more: LobeSet| -> Result<(Preview, f64), PreviewError> {
-        let mut preview = Preview::new(&device, &queue)?;
-        preview.set_scene(&device, &queue, &loaded.scene);
-        preview.set_more_lobes(more);
-        // What a value costs under the hand is the drawn picture alone.
-        preview.set_rays(false);
-        let seconds = preview.compile(&device)?.as_secs_f64();
-        preview.render(&device, &queue, size[0], size[1], 1)?;
-        Ok((preview, seconds))
-    };
-    let (mut pruned, compile) = make(LobeSet::EMPTY)?;
-    let (mut full, compile_full) = make(LobeSet::all())?;
-    let (mut frames, mut frames_full) = (Vec::new(), Vec::new());
-    let frame = |preview: &mut Preview| -> Result<f64, PreviewError> {
-        let start = Instant::now();
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        preview.draw(&device, &queue, &mut encoder, size[0], size[1], Display::default());
-        queue.submit([encoder.finish()]);
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| PreviewError::ReadBack(e.to_string()))?;
-        Ok(start.elapsed().as_secs_f64())
-    };
-    for _ in 0..FRAMES {
+fn preview_cost(loaded: &LoadedScene, needed: LobeSet, line: &mut ProgressLine) -> Result<PreviewCost, PreviewError> {
+    let mut meter = Meter::new(&loaded.scene, [loaded.width as u32, loaded.height as u32])?;
+    let pruned = Change::default();
+    let full = Change { more: LobeSet::all(), ..pruned };
+    let ([frame, frame_full], compile_full) = meter.compare([pruned, full], FRAMES)?;
+    let mut lobes = Vec::new();
+    for def in LOBES {
         if interrupt::is_interrupted() {
             break;
         }
-        frames.push(frame(&mut pruned)?);
-        frames_full.push(frame(&mut full)?);
-    }
-    if let Some(error) = pruned.error().or(full.error()) {
-        return Err(error.clone());
+        line.show(|| format!("preview with and without {}", def.name));
+        let (change, sign) = Change::of(def.lobe, needed);
+        let ([as_is, changed], _) = meter.compare([pruned, change], FRAMES_OF_LOBE)?;
+        lobes.push(1e3 * sign * (changed - as_is));
     }
     Ok(PreviewCost {
-        frame: 1e3 * median(&mut frames),
-        frame_full: 1e3 * median(&mut frames_full),
-        compile: 1e3 * compile,
+        frame: 1e3 * frame,
+        frame_full: 1e3 * frame_full,
+        compile: 1e3 * meter.compile,
         compile_full: 1e3 * compile_full,
-        adapter: adapter.get_info().name,
+        lobes,
+        adapter: meter.adapter,
     })
 }

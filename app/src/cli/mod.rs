@@ -17,15 +17,16 @@ pub mod scene_options;
 mod set;
 pub mod stability;
 mod suggest;
-mod switches;
 mod target;
 mod window;
 
+use crate::app::WindowOptions;
 use clap::{Parser, Subcommand};
 use std::fmt;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Words that a later version understands; until then each is refused with a sentence.
 const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader", "library", "turntable"];
@@ -43,6 +44,9 @@ struct Arguments {
     /// Saves a picture of the window once it shows something, and closes it
     #[arg(long, value_name = "FILE", hide = true)]
     screenshot: Option<PathBuf>,
+    /// Gives the graphics device up after this long, as a crashing driver does
+    #[arg(long, value_name = "SECONDS", hide = true)]
+    lose_device: Option<f64>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -147,7 +151,10 @@ pub fn main() -> ExitCode {
         Err(text) => return exit(print_out(&text.to_string()).map(|()| Outcome::Done)),
     };
     exit(match arguments.command {
-        None => window::run(arguments.files, arguments.screenshot),
+        None => {
+            let loses_device_after = arguments.lose_device.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+            window::run(arguments.files, &WindowOptions { screenshot: arguments.screenshot, loses_device_after })
+        }
         Some(command) => {
             interrupt::listen();
             match command {

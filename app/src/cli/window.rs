@@ -4,6 +4,7 @@ use super::material_argument::LoadedMaterial;
 use super::render::{self, RenderArguments};
 use super::scene_options::SceneOptions;
 use super::{CliError, Outcome, interrupt};
+use crate::app::WindowOptions;
 use crate::files::is_material_path;
 use burnish_assets::{is_environment_path, is_model_path};
 use std::path::{Path, PathBuf};
@@ -15,19 +16,19 @@ const FALLBACK_SPP: u32 = 64;
 const FALLBACK_SECONDS: f64 = 20.0;
 
 /// Opens the editor on the files. With no display, or where the window does not start, it renders the default scene.
-pub fn run(files: Vec<PathBuf>, screenshot: Option<PathBuf>) -> Result<Outcome, CliError> {
+pub fn run(files: Vec<PathBuf>, options: &WindowOptions) -> Result<Outcome, CliError> {
     if let Some(missing) = files.iter().find(|file| !file.exists()) {
         return Err(CliError::unusable(format!("{}: expected a file or a folder, found none", missing.display())));
     }
     let reason = if has_display() {
-        match crate::app::run(files.clone(), screenshot.clone()) {
+        match crate::app::run(files.clone(), options) {
             Ok(()) => return Ok(Outcome::Done),
             Err(error) => format!("the window did not open: {error}"),
         }
     } else {
         "there is no display: neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned()
     };
-    if let Some(file) = screenshot {
+    if let Some(file) = &options.screenshot {
         return Err(CliError::unusable(format!("--screenshot {}: expected a display: {reason}", file.display())));
     }
     picture_instead(&files, &reason)

@@ -1,9 +1,11 @@
 //! The status line and the strip of lobes: what was done last, what is being loaded, how far the picture is.
 
+use crate::live_costs::Costs;
 use crate::panels::chart::{duration, percent};
+use crate::switches::switched_by;
 use crate::theme;
 use crate::widgets::number;
-use burnish_material::{LOBES, LobeSet};
+use burnish_material::{LOBES, LobeSet, Material};
 use burnish_renderer::path::{Convergence, SPP_MAX, StopReason, StopRules};
 use burnish_renderer::preview::FrameTimes;
 use burnish_renderer::worker::Snapshot;
@@ -135,10 +137,22 @@ fn forecast(snapshot: &Snapshot, stop: &StopRules) -> Option<String> {
     ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, text)| text)
 }
 
-/// Shows which lobes are in use and which are left out, each with the reason.
-pub fn lobe_strip(ui: &mut Ui, lobes: LobeSet) {
+/// Shows which lobes are in use and which are left out, each with the reason and, once they were measured, the milliseconds that it takes
+/// of a frame of the preview, or would. Returns whether measuring is to begin or to end.
+pub fn lobe_strip(ui: &mut Ui, material: &Material, costs: &Costs) -> bool {
+    let lobes = LobeSet::of(material);
+    let mut is_asked = false;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 3.0);
+        let text = if costs.is_running { format!("{} of {} ✕", costs.lobes.len(), LOBES.len()) } else { "ms".to_owned() };
+        let button = ui.add(egui::Button::new(RichText::new(text).size(11.5)).small());
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Measure lobes"));
+        let hint = match (&costs.problem, costs.is_running) {
+            (Some(problem), _) => format!("Not measured: {problem}"),
+            (None, true) => "Measuring; click to end it.".to_owned(),
+            (None, false) => "Measure what each lobe takes of a frame of the preview, on a device of its own.".to_owned(),
+        };
+        is_asked = button.on_hover_text(hint).clicked();
         for def in LOBES {
             let is_in = lobes.has(def.lobe);
             let (fill, stroke, color) = if is_in {
@@ -148,7 +162,9 @@ pub fn lobe_strip(ui: &mut Ui, lobes: LobeSet) {
             };
             let name = def.name.replace('_', " ");
             let state = if is_in { "in use" } else { "left out" };
-            let galley = ui.painter().layout_no_wrap(name.clone(), FontId::proportional(11.5), color);
+            let ms = costs.of(def.lobe).map(|ms| format!("{ms:+.1} ms"));
+            let shown = ms.as_ref().map_or_else(|| name.clone(), |ms| format!("{name} {ms}"));
+            let galley = ui.painter().layout_no_wrap(shown, FontId::proportional(11.5), color);
             let (rect, chip) = ui.allocate_exact_size(galley.size() + vec2(12.0, 3.0), Sense::hover());
             chip.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name} {state}")));
             ui.painter().rect(rect, 8, fill, (1.0, stroke), StrokeKind::Inside);
@@ -160,10 +176,19 @@ pub fn lobe_strip(ui: &mut Ui, lobes: LobeSet) {
             }
             chip.on_hover_ui(|ui| {
                 ui.label(RichText::new(format!("{name}: {state}")).strong());
+                let values = switched_by(material, def.lobe);
+                if !values.is_empty() {
+                    ui.label(format!("Because {values}."));
+                }
                 ui.label(def.doc);
+                if let Some(ms) = &ms {
+                    let verb = if is_in { "It takes" } else { "It would take" };
+                    ui.label(format!("{verb} {ms} of a frame of the preview."));
+                }
             });
         }
     });
+    is_asked
 }
 
 #[cfg(test)]

@@ -83,6 +83,12 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
         ui.separator();
 
         display_controls(ui, view);
+        let command = Command::ToggleBloom;
+        let button = ui.add_enabled(view.mode == ViewMode::Preview, egui::Button::selectable(view.is_bloom_on, "Bloom"));
+        let button = button.on_hover_text(command.tooltip());
+        if button.on_disabled_hover_text("Off where pictures are compared: only the preview has it.").clicked() {
+            wish = Some(Wish::Command(command));
+        }
         let command = Command::ToggleDenoise;
         let button = ui.add_enabled(view.mode.has_final(), egui::Button::selectable(view.is_denoise_on, "Denoise"));
         let button = button.on_hover_text(format!("{}\nkey D", command.tooltip()));
@@ -211,8 +217,17 @@ pub struct Picture<'a> {
     pub problem: Option<&'a str>,
 }
 
-/// Paints the part of a picture that lies in `part` of its rectangle. Returns whether the way out of a problem was clicked.
-pub fn paint(ui: &mut Ui, whole: Rect, part: Rect, picture: &Picture, is_named: bool) -> bool {
+/// A way out of having no preview.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WayOut {
+    /// To the other picture.
+    ShowFinal,
+    /// The device may have recovered.
+    TryAgain,
+}
+
+/// Paints the part of a picture that lies in `part` of its rectangle. Returns the way out of a problem that was clicked.
+pub fn paint(ui: &mut Ui, whole: Rect, part: Rect, picture: &Picture, is_named: bool) -> Option<WayOut> {
     let rect = part.intersect(whole);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0, theme::SURROUND);
@@ -246,20 +261,26 @@ pub fn paint(ui: &mut Ui, whole: Rect, part: Rect, picture: &Picture, is_named: 
     for note in &picture.notes {
         bottom = line(format!("⚠ {note}"), theme::WARNING, bottom);
     }
-    false
+    None
 }
 
-fn paint_problem(ui: &mut Ui, rect: Rect, problem: &str) -> bool {
+fn paint_problem(ui: &mut Ui, rect: Rect, problem: &str) -> Option<WayOut> {
     let mut inner = ui.new_child(
         egui::UiBuilder::new()
-            .max_rect(Rect::from_center_size(rect.center(), vec2(rect.width().min(440.0), 130.0)))
+            .max_rect(Rect::from_center_size(rect.center(), vec2(rect.width().min(440.0), 156.0)))
             .layout(egui::Layout::top_down(egui::Align::Center)),
     );
     inner.label(RichText::new("⚠ No usable GPU for the preview").size(16.0).color(theme::WARNING));
     inner.add(Label::new(RichText::new(format!("Reason: {problem}.")).color(theme::TEXT)).wrap());
     inner.label(RichText::new("The final view needs none and works on.").color(theme::TEXT));
     inner.add_space(6.0);
-    inner.button("Show final view").clicked()
+    let mut way = None;
+    for (text, out) in [("Show final view", WayOut::ShowFinal), ("Try again", WayOut::TryAgain)] {
+        if inner.button(text).clicked() {
+            way = Some(out);
+        }
+    }
+    way
 }
 
 /// When the final view stops by itself: each rule can be switched off; whichever comes first ends the picture.

@@ -12,7 +12,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 /// Longest edge of a displaced mesh, as a fraction of the radius of the object's bounds. What is finer only bends normals.
-const EDGE: f32 = 1.0 / 128.0;
+pub(super) const EDGE: f32 = 1.0 / 128.0;
 /// Most triangles that a displaced object is expected to have.
 const TRIANGLES_MAX: f64 = 2e6;
 /// Area of the triangles that edges of length 1 at most end in, on average: bisection leaves lengths from 0.5 to 1.
@@ -40,7 +40,7 @@ pub(super) enum Relief {
 
 /// What the displaced mesh of an object depends on, apart from the mesh.
 #[derive(Clone, Debug)]
-pub(super) struct HeightKey {
+pub(crate) struct HeightKey {
     map: Option<(Arc<Image>, TextureRef)>,
     height: f64,
     level: f64,
@@ -60,7 +60,7 @@ impl PartialEq for HeightKey {
 
 impl HeightKey {
     /// The key of an object; `None` if its material has no height.
-    pub(super) fn of(object: &Object) -> Option<Self> {
+    pub(crate) fn of(object: &Object) -> Option<Self> {
         let material = &object.material;
         if !LobeSet::of(material).has(Lobe::height) {
             return None;
@@ -115,7 +115,7 @@ impl Relief {
 
 /// Triangles that refinement is expected to end with.
 fn expected_triangles(mesh: &Mesh) -> f64 {
-    let longest = f64::from(longest_edge(mesh.bounds(), 1.0));
+    let longest = f64::from(longest_edge(mesh.bounds(), 1.0, EDGE));
     let corner = |i: u32| mesh.positions.get(i as usize).copied().unwrap_or_default().as_dvec3();
     let of = |t: &[u32; 3]| {
         let [a, b, c] = t.map(corner);
@@ -126,9 +126,9 @@ fn expected_triangles(mesh: &Mesh) -> f64 {
     mesh.triangles.iter().map(of).sum()
 }
 
-/// Longest edge after refinement, where the mesh's lengths are multiplied by `scale`.
-fn longest_edge(bounds: Bounds, scale: f64) -> f32 {
-    (f64::from(bounds.radius() * EDGE) * scale) as f32
+/// Longest edge after refinement to a fraction `edge` of the radius, where the mesh's lengths are multiplied by `scale`.
+fn longest_edge(bounds: Bounds, scale: f64, edge: f32) -> f32 {
+    (f64::from(bounds.radius() * edge) * scale) as f32
 }
 
 /// A mesh in normalised units.
@@ -141,6 +141,21 @@ pub(super) struct Patch {
 }
 
 impl Patch {
+    /// A mesh as it is, its places moved by `place`. Triangles that use vertices which do not exist are left out.
+    pub(super) fn new(mesh: &Mesh, place: impl Fn(Vec3) -> Vec3) -> Self {
+        let mut patch = Self::default();
+        for (i, p) in mesh.positions.iter().enumerate() {
+            let p = place(*p);
+            let n = mesh.normals.get(i).copied().unwrap_or(Vec3::ZERO);
+            let t = mesh.tangents.get(i).copied().unwrap_or(glam::Vec4::ZERO);
+            let uv = mesh.uvs.get(i).copied().unwrap_or_default();
+            patch.vertices.push([p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y]);
+        }
+        let exists = |t: &&[u32; 3]| t.iter().all(|&i| (i as usize) < mesh.positions.len());
+        patch.triangles.extend(mesh.triangles.iter().filter(exists));
+        patch
+    }
+
     /// Moves every vertex along its unit normal by `distance`, normalised units.
     pub(super) fn offset(&mut self, distance: f64) {
         let distances = vec![reach(distance); self.vertices.len()];
@@ -148,9 +163,9 @@ impl Patch {
     }
 
     /// Refines the mesh for a height map and displaces it. `scale`: normalised units per unit of height; `bounds` of the mesh in units of which
-    /// a normalised one has `1 / unit`.
-    pub(super) fn displace_by(&mut self, texture: &Texture, level: f64, scale: f64, bounds: Bounds, unit: f64) {
-        let longest = longest_edge(bounds, unit);
+    /// a normalised one has `1 / unit`; edges end no longer than a fraction `edge` of their radius.
+    pub(super) fn displace_by(&mut self, texture: &Texture, level: f64, scale: f64, (bounds, unit): (Bounds, f64), edge: f32) {
+        let longest = longest_edge(bounds, unit, edge);
         if longest > 0.0 && longest.is_finite() {
             for _ in 0..PASSES_MAX {
                 // The second condition ends what the expectation missed; whole passes leave no cracks.

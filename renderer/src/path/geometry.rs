@@ -1,6 +1,6 @@
 //! All triangles of a scene in one tree, in units of the edited object's size, and what shading needs at a hit.
 
-use super::displace::{HeightKey, Patch, Relief, length_scale};
+use super::displace::{EDGE, HeightKey, Patch, Relief, length_scale};
 use super::mip::Sources;
 use super::walk::Field;
 use crate::bvh::{Bvh, Hit, Ray};
@@ -125,13 +125,13 @@ impl Geometry {
     }
 
     fn add(&mut self, object: &Object, number: u32, corners: &mut Vec<[Vec3; 3]>) {
-        let mut patch = self.patch(&object.mesh);
+        let mut patch = Patch::new(&object.mesh, |p| self.normalized(p));
         let inputs = object.material.inputs();
         let scale = inputs.height_scale * length_scale(object) * self.scale;
         match &self.reliefs[number as usize] {
             Relief::Offset(height) => patch.offset(height * scale),
             Relief::Displaced(texture) => {
-                patch.displace_by(texture, inputs.height_level, scale, object.mesh.bounds(), self.scale);
+                patch.displace_by(texture, inputs.height_level, scale, (object.mesh.bounds(), self.scale), EDGE);
             }
             Relief::Flat | Relief::Bumped(_) | Relief::Unplaced => {}
         }
@@ -148,21 +148,6 @@ impl Geometry {
             corners.push(points);
         }
         self.vertices.append(&mut patch.vertices);
-    }
-
-    /// A mesh as it is, in normalised units.
-    fn patch(&self, mesh: &Mesh) -> Patch {
-        let mut patch = Patch::default();
-        for (i, p) in mesh.positions.iter().enumerate() {
-            let p = self.normalized(*p);
-            let n = mesh.normals.get(i).copied().unwrap_or(Vec3::ZERO);
-            let t = mesh.tangents.get(i).copied().unwrap_or(glam::Vec4::ZERO);
-            let uv = mesh.uvs.get(i).copied().unwrap_or_default();
-            patch.vertices.push([p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y]);
-        }
-        let exists = |t: &&[u32; 3]| t.iter().all(|&i| (i as usize) < mesh.positions.len());
-        patch.triangles.extend(mesh.triangles.iter().filter(exists));
-        patch
     }
 
     /// Interpolated normal at a hit, unit, on the side of the geometric one; none where there is no triangle.

@@ -18,6 +18,7 @@ mod convergence;
 mod detail;
 mod direct;
 mod displace;
+mod displaced_mesh;
 mod distribution;
 mod estimate;
 mod film;
@@ -49,6 +50,8 @@ mod walk;
 
 pub use aov::{Aovs, aovs};
 pub use convergence::{Convergence, ErrorPoint, Prediction};
+pub(crate) use displace::HeightKey;
+pub(crate) use displaced_mesh::displaced_mesh;
 pub use estimate::ErrorEstimate;
 pub use film::{Film, REPLICATES};
 pub(crate) use flat::Flat;

@@ -5,6 +5,7 @@ use super::environment::{Level, Prefiltered, solid_angle};
 use super::floor::{self, Floor, LIGHT_SIZE};
 use super::upload::BakedVertex;
 use crate::bvh::{Bvh, Hit, Ray};
+use crate::path::HeightKey;
 use crate::scene::{EnvironmentLight, Scene};
 use burnish_assets::{Environment, Mesh};
 use burnish_material::Property;
@@ -46,6 +47,8 @@ struct Sums {
 /// One mesh that takes part.
 struct Body {
     mesh: Arc<Mesh>,
+    /// Of the vertices: where a height displaces, those that its slopes have.
+    normals: Vec<Vec3>,
     /// Colour that it reflects; `None` for a body being edited.
     albedo: Option<Vec3>,
     /// Its first triangle in the tree.
@@ -74,8 +77,11 @@ impl Job {
         let mut bounds: Option<burnish_assets::Bounds> = None;
         for object in scene.objects.iter().filter(|o| !floor::is_floor(o)) {
             let albedo = (!object.is_document).then(|| object.material.color(Property::base_color).map(|c| c as f32).into());
-            let (chosen, stand_in) = shared(&object.mesh, SHARED_DISTANCE * radius.max(1e-6));
-            bodies.push(Body { mesh: object.mesh.clone(), albedo, first, chosen, stand_in });
+            let mesh = &object.mesh;
+            let has_normals = mesh.normals.len() == mesh.positions.len() && HeightKey::of(object).is_none();
+            let normals = if has_normals { mesh.normals.clone() } else { mesh.area_weighted_normals() };
+            let (chosen, stand_in) = shared(mesh, &normals, SHARED_DISTANCE * radius.max(1e-6));
+            bodies.push(Body { mesh: mesh.clone(), normals, albedo, first, chosen, stand_in });
             first += object.mesh.triangles.len() as u32;
             let own = object.mesh.bounds();
             bounds = Some(bounds.map_or(own, |b| b.union(own)));
@@ -254,7 +260,7 @@ impl Job {
         let mut what = Vec::with_capacity(BATCH);
         for k in 0..sums.len() {
             let vertex = body.chosen[k] as usize;
-            let n = body.mesh.normals.get(vertex).copied().unwrap_or(Vec3::Y);
+            let n = body.normals[vertex];
             // A little off the surface: triangles around a vertex would else cover half of what it sees.
             let p = body.mesh.positions[vertex] + n * (2e-3 * self.radius);
             for x in directions.iter().filter(|x| n.dot(x.d) > 0.0) {
@@ -314,7 +320,6 @@ impl Job {
 impl Body {
     /// What every vertex gets: the result of its stand-in, smoothed over the mesh.
     fn vertices(&self, sums: &[Sums], count: f32) -> Vec<BakedVertex> {
-        let normal = |i: usize| self.mesh.normals.get(i).copied().unwrap_or(Vec3::Y);
         let made: Vec<[f32; 16]> = sums.iter().map(|s| bytemuck::cast(s.mean(count))).collect();
         let mut values: Vec<[f32; 16]> = self.stand_in.iter().map(|&k| made[k as usize]).collect();
         for _ in 0..SMOOTHING {
@@ -323,7 +328,7 @@ impl Body {
             for [a, b, c] in self.mesh.triangles.iter().map(|t| t.map(|i| i as usize)) {
                 for (to, from) in [(a, b), (b, c), (c, a), (b, a), (c, b), (a, c)] {
                     // Across an edge the light is another.
-                    if normal(to).dot(normal(from)) > 0.9 {
+                    if self.normals[to].dot(self.normals[from]) > 0.9 {
                         weight[to] += 1.0;
                         for (s, v) in sum[to].iter_mut().zip(&values[from]) {
                             *s += v;
@@ -340,13 +345,12 @@ impl Body {
 }
 
 /// Groups vertices by place and normal: those that are computed, and for each vertex the position of its own among them.
-fn shared(mesh: &Mesh, distance: f32) -> (Vec<u32>, Vec<u32>) {
+fn shared(mesh: &Mesh, normals: &[Vec3], distance: f32) -> (Vec<u32>, Vec<u32>) {
     let mut cells = std::collections::HashMap::new();
     let mut chosen = Vec::new();
     let stand_in = (0..mesh.positions.len())
         .map(|i| {
-            let n = mesh.normals.get(i).copied().unwrap_or(Vec3::Y);
-            let cell = ((mesh.positions[i] / distance).floor().as_ivec3(), (n * 4.0).round().as_ivec3());
+            let cell = ((mesh.positions[i] / distance).floor().as_ivec3(), (normals[i] * 4.0).round().as_ivec3());
             *cells.entry(cell).or_insert_with(|| {
                 chosen.push(i as u32);
                 chosen.len() as u32 - 1

@@ -6,21 +6,23 @@ use crate::scene::Object;
 use burnish_material::LobeSet;
 use std::time::{Duration, Instant};
 
-fn lobes_of(object: &Object, more: LobeSet) -> LobeSet {
-    LobeSet::of(&object.material).union(if object.is_document { more } else { LobeSet::EMPTY })
+fn lobes_of(object: &Object, [more, less]: [LobeSet; 2]) -> LobeSet {
+    let needed = LobeSet::of(&object.material);
+    if object.is_document { needed.union(more).minus(less) } else { needed }
 }
 
 impl Preview {
     /// Lobes that an object is drawn with.
     pub(super) fn lobes_of(&self, object: &Object) -> LobeSet {
-        lobes_of(object, self.more)
+        lobes_of(object, self.changed)
     }
 
-    /// Evaluates these lobes also where the edited material does not need them: the picture is the same. [`LobeSet::all`] leaves nothing out.
-    pub fn set_more_lobes(&mut self, more: LobeSet) {
-        self.more = more;
+    /// Evaluates the lobes `more` also where the edited material does not need them: the picture is the same; [`LobeSet::all`] leaves nothing
+    /// out. Leaves out the lobes `less` although it needs them.
+    pub fn set_lobes(&mut self, more: LobeSet, less: LobeSet) {
+        self.changed = [more, less];
         for drawn in &mut self.objects {
-            drawn.lobes = lobes_of(&drawn.object, more);
+            drawn.lobes = lobes_of(&drawn.object, self.changed);
         }
         self.restart();
     }

@@ -141,7 +141,11 @@ impl Preview {
             let times = self.timing.render("blend");
             screen_pass(encoder, &targets.mean_views[BLENDED], &self.pipelines.blend, &bind, times);
         }
-        let bind = targets.bind(device, layouts, block, &targets.mean_views[self.shown()], &targets.color, None);
+        let shown = &targets.mean_views[self.shown()];
+        if let Some(bloom) = &mut self.bloom {
+            return bloom.show(device, encoder, (&self.pipelines, targets), block, shown);
+        }
+        let bind = targets.bind(device, layouts, block, shown, &targets.color, None);
         screen_pass(encoder, &targets.display, &self.pipelines.display, &bind, self.timing.render("display"));
         Ok(())
     }
@@ -200,7 +204,7 @@ impl Preview {
     fn take_baked(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), PreviewError> {
         let Some(baked) = self.baker.take() else { return Ok(()) };
         for (mesh, vertices) in &baked.meshes {
-            for drawn in self.objects.iter().filter(|d| Arc::ptr_eq(&d.object.mesh, mesh)) {
+            for drawn in self.objects.iter().filter(|d| Arc::ptr_eq(&d.mesh, mesh)) {
                 queue.write_buffer(&drawn.buffers.baked, 0, bytemuck::cast_slice(vertices));
             }
         }
@@ -276,7 +280,7 @@ fn color_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment
 }
 
 /// Fills a picture.
-fn screen_pass(
+pub(super) fn screen_pass(
     encoder: &mut wgpu::CommandEncoder,
     view: &wgpu::TextureView,
     pipeline: &wgpu::RenderPipeline,

@@ -16,17 +16,18 @@
 //! * Baked light belongs to vertices of which near ones share a computation: shadows on bodies are softer than they are.
 //! * Refraction goes through a sphere in the place of the body (tangent to it where light enters), with inner reflections in
 //!   one chain of four; a rough exit is blurred instead of sampled. Other bodies are not seen through it, only floor and environment.
+//! * Displaced meshes are refined to 1/40 of the radius; what is finer bends normals.
 //! * Opacity blends back faces, then front faces, of each object in order of distance.
 //! * The first frames average light over the share of each sample, which softens reflections of small lights; the share
 //!   shrinks as frames add up.
-//! * A scattering body sends out the light of its surroundings evenly.
-//! * Left out of the drawn picture: dispersion and displacement (height maps bend normals), the maps of occlusion and thickness.
+//! * Left out of the drawn picture: dispersion.
 //!
 //! Where the device can, rays bring the rest as soon as nothing changes (`rays`).
 
 mod albedos;
 mod bake;
 mod bake_job;
+mod bloom;
 mod cost;
 mod device;
 mod draw;
@@ -35,6 +36,7 @@ mod floor;
 mod frame;
 mod pipelines;
 mod rays;
+mod relief;
 mod shader;
 mod take;
 mod targets;
@@ -49,6 +51,7 @@ use crate::bsdf::Albedos;
 use crate::scene::{Object, Scene};
 use crate::tonemap::Display;
 use bake::Baker;
+use bloom::Bloom;
 use burnish_assets::{Environment, Mesh};
 use burnish_material::{LobeSet, Material};
 use device::guarded;
@@ -57,6 +60,7 @@ use floor::Floor;
 use glam::Vec3;
 use pipelines::{PipelineKind, Pipelines};
 use rays::Rays;
+use relief::Reliefs;
 use std::sync::Arc;
 use targets::Targets;
 use timing::Timing;
@@ -87,12 +91,15 @@ pub struct Preview {
     light: Option<Light>,
     filtering: Option<take::Filtering>,
     filling: Option<albedos::Filling>,
+    reliefs: Reliefs,
     stage: Stage,
     objects: Vec<Drawn>,
     baker: Baker,
     targets: Option<Targets>,
     maps: Option<Maps>,
     rays: Rays,
+    /// `None` while bloom is off.
+    bloom: Option<Bloom>,
     /// What the rays may take of each call of [`Preview::draw`], seconds.
     patience: f64,
     /// Whether rays are traced at all.
@@ -107,8 +114,8 @@ pub struct Preview {
     steps: u32,
     /// The picture in the mean was drawn with a pipeline that did not fit.
     is_provisional: bool,
-    /// Lobes that are evaluated although the edited material does not need them.
-    more: LobeSet,
+    /// Lobes that are evaluated although the edited material does not need them, and those that are left out although it does.
+    changed: [LobeSet; 2],
     /// Samples per lobe in each frame.
     samples: u32,
     error: Option<PreviewError>,
@@ -152,6 +159,8 @@ struct Stage {
 #[derive(Debug)]
 struct Drawn {
     object: Object,
+    /// Its mesh as it is drawn: displaced where its material has a height.
+    mesh: Arc<Mesh>,
     lobes: LobeSet,
     albedos: Arc<Albedos>,
     /// Where its albedos begin in the tables.
@@ -208,12 +217,14 @@ impl Preview {
             light: None,
             filtering: None,
             filling: None,
+            reliefs: Reliefs::default(),
             stage,
             objects: Vec::new(),
             baker: Baker::default(),
             targets: None,
             maps: None,
             rays: Rays::new(device)?,
+            bloom: None,
             patience: PATIENCE_SECONDS,
             has_rays: true,
             timing: Timing::new(device, queue),
@@ -222,7 +233,7 @@ impl Preview {
             is_blended: false,
             steps: 0,
             is_provisional: false,
-            more: LobeSet::EMPTY,
+            changed: [LobeSet::EMPTY; 2],
             samples: frame::samples_on(device),
             error: None,
         })
@@ -244,9 +255,19 @@ impl Preview {
         self.error.as_ref()
     }
 
+    /// Takes note that someone has dealt with [`Preview::error`].
+    pub fn forget_error(&mut self) {
+        self.error = None;
+    }
+
     /// Whether light, occlusion or albedos are still being computed, or a pipeline compiled: the picture will still change.
     pub fn is_settling(&self) -> bool {
-        self.baker.is_busy() || self.pipelines.is_waiting() || self.filtering.is_some() || self.filling.is_some()
+        self.baker.is_busy() || self.pipelines.is_waiting() || self.is_taking()
+    }
+
+    /// Whether the last picture shows the scene that was set last, with the pipelines that fit it: baked light may still follow.
+    pub fn is_current(&self) -> bool {
+        self.steps > 0 && !self.is_taking() && !self.is_provisional
     }
 
     /// Draws one more frame and adds it to the mean. Returns whether further frames would refine the picture.
@@ -317,6 +338,17 @@ impl Preview {
         }
     }
 
+    /// Switches bloom on the display off or on: what is brighter than white spreads around. The picture itself and [`Preview::read_linear`] stay
+    /// as they are.
+    pub fn set_bloom(&mut self, device: &wgpu::Device, has_bloom: bool) -> Result<(), PreviewError> {
+        if !has_bloom {
+            self.bloom = None;
+        } else if self.bloom.is_none() {
+            self.bloom = Some(Bloom::new(device, &self.pipelines)?);
+        }
+        Ok(())
+    }
+
     /// What the rays may take of each picture from now on, seconds; without a limit each picture adds a sample to every pixel.
     pub fn set_patience(&mut self, seconds: f64) {
         self.patience = seconds;
@@ -343,7 +375,7 @@ impl Preview {
 
     /// Waits for everything that the window would show later: tables, pipelines, occlusion.
     pub fn settle(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), PreviewError> {
-        while self.filtering.is_some() || self.filling.is_some() {
+        while self.is_taking() {
             std::thread::sleep(std::time::Duration::from_millis(2));
             self.take_finished(device, queue)?;
         }

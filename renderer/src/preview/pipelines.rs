@@ -53,6 +53,8 @@ pub(super) struct Pipelines {
     pub mean: wgpu::RenderPipeline,
     pub blend: wgpu::RenderPipeline,
     pub display: wgpu::RenderPipeline,
+    /// Of passes over the whole picture.
+    pub output_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
     object_layout: wgpu::PipelineLayout,
     ready: HashMap<PipelineKind, ObjectPipelines>,
@@ -79,33 +81,8 @@ impl Pipelines {
         let frame_only = layout_of("background", &[Some(&layouts.frame)]);
         let object_layout = layout_of("object", &[Some(&layouts.frame), Some(&layouts.object)]);
         let output_layout = layout_of("output", &[Some(&layouts.output)]);
-        let screen =
-            |label, module: &wgpu::ShaderModule, layout, entry: [&str; 2], format, depth: Option<wgpu::DepthStencilState>| {
-                guarded(device, wgpu::ErrorFilter::Validation, PreviewError::Shader, || {
-                    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                        label: Some(label),
-                        layout: Some(layout),
-                        vertex: wgpu::VertexState {
-                            module,
-                            entry_point: Some(entry[0]),
-                            compilation_options: wgpu::PipelineCompilationOptions::default(),
-                            buffers: &[],
-                        },
-                        primitive: wgpu::PrimitiveState::default(),
-                        multisample: if depth.is_some() { multisample(device) } else { wgpu::MultisampleState::default() },
-                        depth_stencil: depth,
-                        fragment: Some(wgpu::FragmentState {
-                            module,
-                            entry_point: Some(entry[1]),
-                            compilation_options: wgpu::PipelineCompilationOptions::default(),
-                            targets: &[Some(format)],
-                        }),
-                        multiview_mask: None,
-                        cache: None,
-                    })
-                })
-            };
-        let background = screen(
+        let background = screen_pipeline(
+            device,
             "background",
             &module,
             &frame_only,
@@ -113,16 +90,19 @@ impl Pipelines {
             COLOR_FORMAT.into(),
             Some(depth_state(false, wgpu::CompareFunction::GreaterEqual)),
         )?;
-        let mean = screen("mean", &output, &output_layout, ["vertex_output", "fragment_mean"], MEAN_FORMAT.into(), None)?;
-        let blend = screen("blend", &output, &output_layout, ["vertex_output", "fragment_blend"], MEAN_FORMAT.into(), None)?;
-        let display =
-            screen("display", &output, &output_layout, ["vertex_output", "fragment_display"], DISPLAY_FORMAT.into(), None)?;
+        let screen = |label, entry, format: wgpu::TextureFormat| {
+            screen_pipeline(device, label, &output, &output_layout, ["vertex_output", entry], format.into(), None)
+        };
+        let mean = screen("mean", "fragment_mean", MEAN_FORMAT)?;
+        let blend = screen("blend", "fragment_blend", MEAN_FORMAT)?;
+        let display = screen("display", "fragment_display", DISPLAY_FORMAT)?;
         Ok(Self {
             layouts,
             background,
             mean,
             blend,
             display,
+            output_layout,
             module,
             object_layout,
             ready: HashMap::new(),
@@ -287,6 +267,41 @@ fn uniform(binding: u32, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayou
     let ty =
         wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
     entry(binding, visibility, ty)
+}
+
+/// A pass over the whole picture; with a depth it is one among objects.
+pub(super) fn screen_pipeline(
+    device: &wgpu::Device,
+    label: &str,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    entry: [&str; 2],
+    format: wgpu::ColorTargetState,
+    depth: Option<wgpu::DepthStencilState>,
+) -> Result<wgpu::RenderPipeline, PreviewError> {
+    guarded(device, wgpu::ErrorFilter::Validation, PreviewError::Shader, || {
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(label),
+            layout: Some(layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some(entry[0]),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            multisample: if depth.is_some() { multisample(device) } else { wgpu::MultisampleState::default() },
+            depth_stencil: depth,
+            fragment: Some(wgpu::FragmentState {
+                module,
+                entry_point: Some(entry[1]),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(format)],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    })
 }
 
 fn picture(binding: u32, is_filtered: bool, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {

@@ -118,6 +118,11 @@ pub(super) fn output_pieces() -> Vec<Piece> {
     vec![file!("tonemap.wgsl"), file!("preview/output.wgsl")]
 }
 
+/// The files of bloom.
+pub(super) fn bloom_pieces() -> Vec<Piece> {
+    vec![file!("tonemap.wgsl"), file!("preview/output.wgsl"), file!("preview/bloom.wgsl")]
+}
+
 /// The source of a shader.
 pub(super) fn join(pieces: &[Piece]) -> String {
     pieces.iter().map(|(_, text)| text.as_str()).collect::<Vec<_>>().join("\n")
@@ -207,6 +212,7 @@ mod tests {
     #[test]
     fn joined_shaders_are_valid() {
         validate(&parse(&output_pieces()), "output");
+        validate(&parse(&bloom_pieces()), "bloom");
         let scene = parse(&scene_pieces());
         validate(&scene, "scene");
         let extra = "@compute @workgroup_size(1) fn main() { _ = fresnel(0.5, 1.5); _ = display_apply(vec3f(1.0), 0.0, 0u); }";

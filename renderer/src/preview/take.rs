@@ -5,7 +5,7 @@ use super::environment::{self, Prefiltered};
 use super::{Drawn, Light, Preview, Stage, floor, upload};
 use crate::bsdf::Albedos;
 use crate::scene::{Object, Scene};
-use burnish_assets::Environment;
+use burnish_assets::{Environment, Mesh};
 use glam::Vec3;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
@@ -49,7 +49,8 @@ impl Preview {
                 drawn.bind = bind_object(device, &self.pipelines.layouts.object, &drawn.block, &maps.view, &self.samplers.maps);
             }
         }
-        let is_changed = self.take_objects(device, queue, scene, &albedos, &begins)?;
+        let displaced = self.displaced(scene);
+        let is_changed = self.take_objects(device, queue, scene, &displaced, &albedos, &begins)?;
         let is_same_view = self.scene.as_ref().is_some_and(|old| {
             old.camera == scene.camera
                 && old.environment.rotation_deg == scene.environment.rotation_deg
@@ -60,7 +61,7 @@ impl Preview {
         }
         self.scene = Some(scene.clone());
         if let (Some(light), None) = (&self.light, &self.filtering) {
-            self.baker.request(scene, self.stage.floor.as_ref(), &light.made);
+            self.baker.request(&displaced, self.stage.floor.as_ref(), &light.made);
         }
         if is_rebound {
             self.bind_frame(device);
@@ -139,9 +140,15 @@ impl Preview {
         Ok(true)
     }
 
-    /// Takes the environment that has been filtered and the albedos that have been filled meanwhile, if they are ready.
+    /// Whether threads work on what the scene that was set last needs.
+    pub(super) fn is_taking(&self) -> bool {
+        self.filtering.is_some() || self.filling.is_some() || self.reliefs.is_making()
+    }
+
+    /// Takes the environment that has been filtered, the albedos that have been filled and the meshes that have been displaced meanwhile,
+    /// if they are ready.
     pub(super) fn take_finished(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), PreviewError> {
-        if self.filtering.is_none() && self.filling.is_none() {
+        if !self.is_taking() {
             return Ok(());
         }
         self.wanted.clone().map_or(Ok(()), |scene| self.take_scene(device, queue, &scene))
@@ -152,12 +159,13 @@ impl Preview {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         scene: &Scene,
+        displaced: &Scene,
         albedos: &[Arc<Albedos>],
         begins: &[u32],
     ) -> Result<bool, PreviewError> {
         let mut is_changed = self.objects.len() != scene.objects.len();
         let mut old: Vec<Option<Drawn>> = self.objects.drain(..).map(Some).collect();
-        for (i, object) in scene.objects.iter().enumerate() {
+        for (i, (object, drawn)) in scene.objects.iter().zip(&displaced.objects).enumerate() {
             let first_layer = self.maps.as_ref().and_then(|maps| maps.first_layers.get(i).copied()).unwrap_or(0);
             let same_mesh = |d: &Drawn| Arc::ptr_eq(&d.object.mesh, &object.mesh);
             // The same place first, then any: a list that got shorter keeps its uploads.
@@ -167,6 +175,7 @@ impl Preview {
             let found = place.and_then(|k| old[k].take());
             let is_same = found.as_ref().is_some_and(|d| {
                 Arc::ptr_eq(&d.object.textures, &object.textures)
+                    && Arc::ptr_eq(&d.mesh, &drawn.mesh)
                     && d.first_layer == first_layer
                     && d.object.length_scale == object.length_scale
                     && d.begin == begins[i]
@@ -177,7 +186,7 @@ impl Preview {
                 Some(drawn) if is_same => Drawn { object: object.clone(), ..drawn },
                 found => {
                     is_changed = true;
-                    self.upload_object(device, queue, object, (&albedos[i], begins[i]), first_layer, found)?
+                    self.upload_object(device, queue, (object, &drawn.mesh), (&albedos[i], begins[i]), first_layer, found)?
                 }
             };
             self.objects.push(drawn);
@@ -189,18 +198,26 @@ impl Preview {
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        object: &Object,
+        (object, mesh): (&Object, &Arc<Mesh>),
         (albedos, begin): (&Arc<Albedos>, u32),
         first_layer: u32,
         previous: Option<Drawn>,
     ) -> Result<Drawn, PreviewError> {
-        let values = upload::object_block(object, begin, first_layer);
-        let (lobes, albedos) = (self.lobes_of(object), albedos.clone());
+        let mut values = upload::object_block(object, begin, first_layer);
+        if !Arc::ptr_eq(mesh, &object.mesh) {
+            values.params[2] = upload::DISPLACED;
+        }
+        let (lobes, albedos, mesh) = (self.lobes_of(object), albedos.clone(), mesh.clone());
         if let Some(drawn) = previous {
             queue.write_buffer(&drawn.block, 0, bytemuck::bytes_of(&values));
-            return Ok(Drawn { object: object.clone(), lobes, albedos, begin, first_layer, values, ..drawn });
+            let buffers = if Arc::ptr_eq(&drawn.mesh, &mesh) {
+                drawn.buffers
+            } else {
+                Arc::new(upload::upload_mesh(device, &mesh, Some(&drawn.buffers))?)
+            };
+            return Ok(Drawn { object: object.clone(), mesh, lobes, albedos, begin, first_layer, buffers, values, ..drawn });
         }
-        let buffers = Arc::new(upload::upload_mesh(device, &object.mesh)?);
+        let buffers = Arc::new(upload::upload_mesh(device, &mesh, None)?);
         let block = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("object"),
             contents: bytemuck::bytes_of(&values),
@@ -208,7 +225,7 @@ impl Preview {
         });
         let maps = self.maps.as_ref().map(|maps| &maps.view).ok_or(PreviewError::NothingDrawn)?;
         let bind = bind_object(device, &self.pipelines.layouts.object, &block, maps, &self.samplers.maps);
-        Ok(Drawn { object: object.clone(), lobes, albedos, begin, first_layer, buffers, values, block, bind })
+        Ok(Drawn { object: object.clone(), mesh, lobes, albedos, begin, first_layer, buffers, values, block, bind })
     }
 
     pub(super) fn bind_frame(&mut self, device: &wgpu::Device) {

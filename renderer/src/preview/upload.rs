@@ -15,6 +15,10 @@ pub(super) const MAPS_MAX: usize = 32;
 /// Largest side of a map; larger images are sampled down.
 const MAP_SIDE_MAX: usize = 1024;
 
+/// How a height map shows, in `ObjectBlock::params`: 0 not at all, in normals, or in the triangles as well.
+pub(super) const BUMPED: f32 = 1.0;
+pub(super) const DISPLACED: f32 = 2.0;
+
 /// `struct Frame` of `frame.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
@@ -82,8 +86,12 @@ pub(super) struct MeshBuffers {
     pub index_count: u32,
 }
 
-/// Uploads a mesh with nothing baked yet.
-pub(super) fn upload_mesh(device: &wgpu::Device, mesh: &Mesh) -> Result<MeshBuffers, PreviewError> {
+/// Uploads a mesh with nothing baked yet; one that replaces another of as many vertices takes over what was baked for those.
+pub(super) fn upload_mesh(
+    device: &wgpu::Device,
+    mesh: &Mesh,
+    previous: Option<&MeshBuffers>,
+) -> Result<MeshBuffers, PreviewError> {
     let count = mesh.positions.len();
     let vertices: Vec<Vertex> = (0..count)
         .map(|i| Vertex {
@@ -94,12 +102,15 @@ pub(super) fn upload_mesh(device: &wgpu::Device, mesh: &Mesh) -> Result<MeshBuff
         })
         .collect();
     let baked = vec![BakedVertex::default(); count];
+    let kept = previous.map(|buffers| &buffers.baked).filter(|kept| kept.size() == size_of_val(&baked[..]) as u64);
     let make = |label, contents: &[u8], usage| {
         device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
     };
     guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || MeshBuffers {
         vertices: make("vertices", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX),
-        baked: make("baked light", bytemuck::cast_slice(&baked), wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST),
+        baked: kept.cloned().unwrap_or_else(|| {
+            make("baked light", bytemuck::cast_slice(&baked), wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST)
+        }),
         indices: make("indices", bytemuck::cast_slice(&mesh.triangles), wgpu::BufferUsages::INDEX),
         index_count: mesh.triangles.len() as u32 * 3,
     })
@@ -121,7 +132,7 @@ pub(super) fn object_block(object: &Object, albedos: u32, first_layer: u32) -> O
     for (layer, (property, reference, _)) in mapped(object).into_iter().enumerate() {
         block.rows[property as usize][3] = layer as f32;
         if property == Property::height {
-            block.params[2] = 1.0;
+            block.params[2] = BUMPED;
         }
         let (sin, cos) = reference.uv_rotation.to_radians().sin_cos();
         let [sx, sy] = reference.uv_scale;

@@ -1,0 +1,101 @@
+//! What each lobe costs the preview, measured on a thread when the user asks for it.
+
+use crate::lobe_costs::{Change, Meter};
+use burnish_material::{LOBES, Lobe, LobeSet};
+use burnish_renderer::preview::PreviewError;
+use burnish_renderer::scene::Scene;
+use egui::Context;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Pairs of pictures by lobe.
+const REPEATS: usize = 7;
+
+/// What is known of the lobes of one material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Costs {
+    /// Milliseconds of a frame that a lobe takes, or would.
+    pub lobes: Vec<(Lobe, f64)>,
+    /// Why there is no more.
+    pub problem: Option<String>,
+    /// Whether more will come.
+    pub is_running: bool,
+}
+
+impl Costs {
+    /// Milliseconds of a lobe, once it was measured.
+    pub fn of(&self, lobe: Lobe) -> Option<f64> {
+        self.lobes.iter().find(|(l, _)| *l == lobe).map(|(_, ms)| *ms)
+    }
+}
+
+/// The measurement that was asked for last.
+#[derive(Default)]
+pub struct LiveCosts {
+    found: Arc<Mutex<Costs>>,
+    stop: Arc<AtomicBool>,
+    /// The lobes that the measured material needs.
+    needed: LobeSet,
+}
+
+impl LiveCosts {
+    /// What was found for a material with these lobes; nothing if another was measured.
+    pub fn found(&self, needed: LobeSet) -> Costs {
+        if needed != self.needed {
+            return Costs::default();
+        }
+        self.found.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Measures a scene for pictures of this size, in place of what was being measured.
+    pub fn start(&mut self, ctx: &Context, scene: Scene, needed: LobeSet, size: [u32; 2]) {
+        self.cancel();
+        let found = Arc::new(Mutex::new(Costs { is_running: true, ..Costs::default() }));
+        let stop: Arc<AtomicBool> = Arc::default();
+        (self.found, self.stop, self.needed) = (found.clone(), stop.clone(), needed);
+        let ctx = ctx.clone();
+        let work = move || {
+            let tell = |change: &dyn Fn(&mut Costs)| {
+                change(&mut found.lock().unwrap_or_else(PoisonError::into_inner));
+                ctx.request_repaint();
+            };
+            let result = measure(&scene, needed, size, &stop, &|lobe, ms| tell(&|costs| costs.lobes.push((lobe, ms))));
+            let problem = result.err().map(|error| error.to_string());
+            tell(&|costs| (costs.is_running, costs.problem) = (false, problem.clone()));
+        };
+        if let Err(error) = std::thread::Builder::new().name("lobe costs".to_owned()).spawn(work) {
+            *self.found.lock().unwrap_or_else(PoisonError::into_inner) =
+                Costs { problem: Some(error.to_string()), ..Costs::default() };
+        }
+    }
+
+    /// Ends the measurement; what was found stays.
+    pub fn cancel(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Drop for LiveCosts {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+fn measure(
+    scene: &Scene,
+    needed: LobeSet,
+    size: [u32; 2],
+    stop: &AtomicBool,
+    tell: &dyn Fn(Lobe, f64),
+) -> Result<(), PreviewError> {
+    let mut meter = Meter::new(scene, size)?;
+    for def in LOBES {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
+        let (change, sign) = Change::of(def.lobe, needed);
+        let ([as_is, changed], _) = meter.compare([Change::default(), change], REPEATS)?;
+        tell(def.lobe, 1e3 * sign * (changed - as_is));
+    }
+    Ok(())
+}
