@@ -187,6 +187,9 @@ impl App {
         if ctx.input(|i| !i.raw.events.is_empty() || i.pointer.any_down()) {
             self.last_input = Instant::now();
         }
+        if self.has_lost_device(&ctx) {
+            return;
+        }
         self.collect(&ctx);
         for command in Command::pressed(&ctx) {
             self.carry_out(command, &ctx);
@@ -195,7 +198,7 @@ impl App {
         self.ask_about_unsaved(&ctx);
         self.take_drops(&ctx);
         self.mind_the_window(&ctx);
-        self.mind_the_device(&ctx);
+        self.has_lost_device(&ctx);
         self.mind_the_screenshot(&ctx);
     }
 

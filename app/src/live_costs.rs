@@ -8,6 +8,10 @@ use egui::Context;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// Pictures that take longer are made smaller.
+const SECONDS: f64 = 0.2;
+/// Differences below this share of a frame are noise.
+const NOISE: f64 = 0.02;
 /// Pairs of pictures by lobe.
 const REPEATS: usize = 7;
 
@@ -89,13 +93,17 @@ fn measure(
     tell: &dyn Fn(Lobe, f64),
 ) -> Result<(), PreviewError> {
     let mut meter = Meter::new(scene, size)?;
+    // Lobes are evaluated by pixel: what differs between two pictures grows with them.
+    let pixels = meter.hurry(SECONDS)?;
     for def in LOBES {
         if stop.load(Ordering::Relaxed) {
             break;
         }
         let (change, sign) = Change::of(def.lobe, needed);
         let ([as_is, changed], _) = meter.compare([Change::default(), change], REPEATS)?;
-        tell(def.lobe, 1e3 * sign * (changed - as_is));
+        // What drowns in the noise of two pictures counts as nothing.
+        let seconds = if (changed - as_is).abs() > NOISE * as_is { changed - as_is } else { 0.0 };
+        tell(def.lobe, 1e3 * sign * pixels * seconds);
     }
     Ok(())
 }

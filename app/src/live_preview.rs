@@ -13,6 +13,8 @@ pub struct LivePreview {
     state: Result<Gpu, String>,
     /// What the device complained about while running.
     complaint: Arc<Mutex<Option<String>>>,
+    /// The window's device, also where the preview cannot use it.
+    device: Option<wgpu::Device>,
     /// Why the device is gone, if it is.
     loss: Arc<Mutex<Option<String>>>,
     /// From edits to pictures; the device tells when it has finished one.
@@ -129,7 +131,8 @@ impl LivePreview {
         if let Some(RenderState { device, .. }) = render_state {
             let sink = loss.clone();
             device.set_device_lost_callback(move |reason, message| {
-                locked(&sink).get_or_insert_with(|| format!("{reason:?}: {message}"));
+                let what = if message.is_empty() { format!("{reason:?}").to_lowercase() } else { message };
+                locked(&sink).get_or_insert(what);
             });
         }
         let pace = render_state.map(|state| Pace::of(&state.adapter.get_info())).unwrap_or_default();
@@ -154,7 +157,8 @@ impl LivePreview {
             }
         };
         let (latency, memory) = (Arc::default(), (1, (0, 0)));
-        Self { state, complaint, loss, latency, memory, is_refining: false, is_owing: false, pace }
+        let device = render_state.map(|state| state.device.clone());
+        Self { state, complaint, device, loss, latency, memory, is_refining: false, is_owing: false, pace }
     }
 
     /// A preview that is switched off, with the reason.
@@ -181,6 +185,10 @@ impl LivePreview {
 
     /// Why the window's device is gone, if it is: nothing can be drawn with it any more.
     pub fn loss(&self) -> Option<String> {
+        if let Some(device) = &self.device {
+            // The device tells when it is asked. What it answers besides does not matter here.
+            _ = device.poll(wgpu::PollType::Poll);
+        }
         locked(&self.loss).clone()
     }
 
@@ -191,8 +199,8 @@ impl LivePreview {
 
     /// Gives the device up, as a driver does that crashes or is updated.
     pub fn lose_device(&self) {
-        if let Ok(gpu) = &self.state {
-            gpu.render_state.device.destroy();
+        if let Some(device) = &self.device {
+            device.destroy();
         }
     }
 
@@ -220,7 +228,9 @@ impl LivePreview {
             gpu.preview.set_scene(&gpu.render_state.device, &gpu.render_state.queue, scene);
             gpu.is_stale = true;
             gpu.has_scene = true;
-            locked(&self.latency).edited();
+            if gpu.drawn.is_some() {
+                locked(&self.latency).edited();
+            }
         }
     }
 
@@ -277,7 +287,8 @@ impl LivePreview {
         if let Some(seconds) = waited {
             gpu.preview.took(seconds);
         }
-        if let Some(edit) = locked(&self.latency).drawn(gpu.preview.is_current()) {
+        let edit = locked(&self.latency).drawn(gpu.preview.is_current());
+        if let Some(edit) = edit {
             let latency = self.latency.clone();
             let note = move || locked(&latency).finished(edit);
             if waited.is_some() { note() } else { queue.on_submitted_work_done(note) }

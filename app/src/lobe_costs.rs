@@ -55,7 +55,17 @@ impl Meter {
         Ok(Self { device, queue, preview, size, adapter: adapter.get_info().name, compile })
     }
 
-    /// Median seconds of a frame with the first change and with the second, and seconds that the second took to compile.
+    /// Takes smaller pictures where one takes longer than `limit` seconds. Returns how many times as many pixels there were.
+    pub fn hurry(&mut self, limit: f64) -> Result<f64, PreviewError> {
+        let whole = self.size;
+        while self.frame()? > limit && self.size.iter().all(|side| *side >= 128) {
+            self.size = self.size.map(|side| side / 2);
+        }
+        let pixels = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
+        Ok(pixels(whole) / pixels(self.size))
+    }
+
+    /// Seconds of the fastest frame with the first change and with the second (whatever else the machine does only adds), and seconds that the second took to compile.
     pub fn compare(&mut self, changes: [Change; 2], repeats: usize) -> Result<([f64; 2], f64), PreviewError> {
         let mut compiled = 0.0;
         for change in changes {
@@ -70,7 +80,7 @@ impl Meter {
                 times.push(self.frame()?);
             }
         }
-        Ok((times.map(|mut times| median(&mut times)), compiled))
+        Ok((times.map(|times| times.into_iter().fold(f64::INFINITY, f64::min)), compiled))
     }
 
     fn frame(&mut self) -> Result<f64, PreviewError> {
@@ -81,10 +91,4 @@ impl Meter {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| PreviewError::ReadBack(e.to_string()))?;
         self.preview.error().map_or_else(|| Ok(start.elapsed().as_secs_f64()), |error| Err(error.clone()))
     }
-}
-
-/// The middle value; 1 if there is none.
-pub fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(1.0)
 }

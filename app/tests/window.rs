@@ -41,9 +41,14 @@ struct Window {
 
 impl Window {
     fn open(file: &Path) -> Self {
+        Self::open_with(file, &[])
+    }
+
+    fn open_with(file: &Path, arguments: &[&str]) -> Self {
         let said = file.with_extension("said");
         let child = Command::new(env!("CARGO_BIN_EXE_burnish"))
             .arg(file)
+            .args(arguments)
             .current_dir(file.parent().expect("the file is in a folder"))
             .stderr(std::fs::File::create(&said).expect("the folder can be written"))
             .spawn()
@@ -130,13 +135,20 @@ fn look(picture: &image::RgbImage, [x, y, w, h]: [u32; 4]) -> [f64; 2] {
     [sum / n, rough / n]
 }
 
-#[test]
-fn a_slider_moves_both_views_and_the_file_follows() {
+/// Whether a window can be driven here; it must be where tests may not be skipped.
+fn has_tools() -> bool {
     let tools =
         std::env::var_os("DISPLAY").is_some() && run("xdotool", &["version"]).is_some() && run("import", &["-version"]).is_some();
     if !tools {
         assert!(std::env::var_os("BURNISH_REQUIRE_GPU").is_none(), "a display, xdotool and ImageMagick are needed here");
         eprintln!("SKIPPED: no display, xdotool or ImageMagick");
+    }
+    tools
+}
+
+#[test]
+fn a_slider_moves_both_views_and_the_file_follows() {
+    if !has_tools() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -177,4 +189,32 @@ fn a_slider_moves_both_views_and_the_file_follows() {
         let picture = window.picture(folder.path())?;
         is_red(&picture, PREVIEW).then_some(())
     });
+}
+
+#[test]
+fn a_lost_device_costs_nothing_but_a_blink() {
+    if !has_tools() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("lost.asm.ron");
+    std::fs::write(&file, MATERIAL).unwrap();
+    let mut window = Window::open_with(&file, &["--lose-device", "12"]);
+    let first = window.id.clone();
+    let pid = window.child.id().to_string();
+    // Unsaved, and to be found again in the next window.
+    wait("the window to show the red ball", || {
+        let picture = window.picture(folder.path())?;
+        (picture.get_pixel(PREVIEW[0] + 80, PREVIEW[1] + 100).0[0] > 80).then_some(())
+    });
+    window.drag(ROUGHNESS_FROM, ROUGHNESS_TO);
+    window.id = wait("another window", || {
+        let found = run("xdotool", &["search", "--onlyvisible", "--pid", &pid])?;
+        found.lines().map(str::to_owned).find(|id| *id != first)
+    });
+    run("xdotool", &["windowfocus", &window.id]);
+    window.save_until("the unsaved value to be saved from the new window", &file, |text| text != MATERIAL);
+    window.key("ctrl+z");
+    window.save_until("undo to reach back across the loss", &file, |text| text == MATERIAL);
+    assert!(window.child.try_wait().expect("the program can be asked").is_none(), "the program goes on");
 }

@@ -1,9 +1,11 @@
 //! Does the live preview keep the energy of white materials, and does it draw what was set last?
 
 use burnish_assets::make_shape;
-use burnish_material::{Material, Property, Value};
+use burnish_material::{Material, PROPERTIES, Property, TextureRef, Value};
+use burnish_renderer::path::{Settings, StopRules, render};
 use burnish_renderer::preview::Preview;
-use burnish_renderer::scene::{ModelMeshes, Scene};
+use burnish_renderer::scene::{ModelMeshes, Scene, TextureSet};
+use burnish_renderer::tonemap::Display;
 use burnish_tests::gpu::device;
 use burnish_tests::materials::{c, f, material};
 use burnish_tests::scenes::environment;
@@ -95,4 +97,148 @@ fn what_was_set_last_is_drawn_in_the_end() {
     assert!(!preview.is_settling());
     let furthest = found.iter().flatten().zip(expected.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(furthest < 1e-6, "{furthest}");
+}
+
+#[test]
+fn heights_move_the_outline_as_in_the_final_view() {
+    use Property::*;
+    let Some((device, queue)) = device() else { return };
+    let side = 48;
+    // A lamp in the dark: what is lit is its outline.
+    let lamp = |values: &[(Property, Value)], map: Option<burnish_assets::Image>| {
+        let mut m = material(&[(emission, f(1.0)), (specular_level, f(0.0))]);
+        for (property, value) in values {
+            m.set(*property, *value);
+        }
+        let mut textures = TextureSet::new();
+        if let Some(map) = map {
+            m.slot_mut(height).texture = Some(TextureRef::new("map"));
+            textures.insert("map".to_owned(), Arc::new(map));
+        }
+        let mut scene = sphere(m);
+        scene.environment.scale = 0.0;
+        scene.objects.iter_mut().for_each(|object| object.textures = Arc::new(textures.clone()));
+        scene
+    };
+    let waves = || {
+        let wave = |k: usize| 0.5 + 0.5 * (std::f32::consts::TAU * 6.0 * (k % 128) as f32 / 128.0).sin();
+        let texels = (0..128 * 8).map(|k| [wave(k), wave(k), wave(k), 1.0]).collect();
+        burnish_assets::Image { width: 128, height: 8, texels, is_eight_bit: false }
+    };
+    let lit = |pixels: &mut dyn Iterator<Item = f32>| pixels.map(|x| f64::from(x.min(1.0))).sum::<f64>();
+    let mut preview = Preview::new(&device, &queue).expect("the preview can be made");
+    preview.set_rays(false);
+    let mut areas = Vec::new();
+    for (name, scene) in [
+        ("flat", lamp(&[], None)),
+        ("moved", lamp(&[(height, f(1.0)), (height_scale, f(0.3))], None)),
+        ("waves", lamp(&[(height_scale, f(0.4))], Some(waves()))),
+        ("waves inwards", lamp(&[(height_scale, f(0.4)), (height_level, f(1.0))], Some(waves()))),
+    ] {
+        preview.set_scene(&device, &queue, &scene);
+        let pixels = preview.render(&device, &queue, side, side, 16).expect("the preview draws");
+        let drawn = lit(&mut pixels.iter().map(|p| p[1]));
+        let settings = Settings {
+            width: side as usize,
+            height: side as usize,
+            seed: 3,
+            threads: 2,
+            stop: StopRules { spp: Some(64), seconds: None, relmse: None },
+            is_adaptive: false,
+        };
+        let expected = lit(&mut render(&scene, &settings, &mut |_| true).film.mean().iter().map(|p| p[1]));
+        println!("{name}: {drawn:.1} pixels drawn, {expected:.1} traced");
+        assert!((drawn / expected - 1.0).abs() < 0.015, "{name}: {drawn} {expected}");
+        areas.push(drawn);
+    }
+    assert!(areas[1] > 1.1 * areas[0] && areas[3] < 0.95 * areas[2], "{areas:?}");
+}
+
+#[test]
+fn bloom_spreads_what_is_brighter_than_white_and_nothing_else() {
+    use Property::*;
+    let Some((device, queue)) = device() else { return };
+    for (strength, is_spread) in [(8.0, true), (0.5, false)] {
+        let mut scene = sphere(material(&[(emission, f(strength)), (base_color, c(0.0, 0.0, 0.0)), (specular_level, f(0.0))]));
+        scene.environment.scale = 0.1;
+        let shown = |has_bloom: bool| {
+            let mut preview = Preview::new(&device, &queue).expect("the preview can be made");
+            preview.set_rays(false);
+            preview.set_scene(&device, &queue, &scene);
+            preview.set_bloom(&device, has_bloom).expect("bloom compiles");
+            let linear = preview.render(&device, &queue, SIDE, SIDE, 2).expect("the preview draws");
+            let view = preview.display_view().expect("something was drawn").texture().clone();
+            (linear, read_bytes(&device, &queue, &view))
+        };
+        let [(plain, without), (same, with)] = [shown(false), shown(true)];
+        assert!(plain == same, "the picture itself stays as it is");
+        // Just outside of the ball, on its left.
+        let beside = ((SIDE / 2) * SIDE + 1) as usize * 4;
+        let brighter = i32::from(with[beside]) - i32::from(without[beside]);
+        println!("emission {strength}: {} without, {} with bloom", without[beside], with[beside]);
+        assert_eq!(brighter > 3, is_spread, "emission {strength}: {brighter}");
+        assert!(is_spread || with == without, "nothing is brighter than white");
+    }
+}
+
+/// The bytes of an `Rgba8Unorm` texture whose rows need no padding.
+fn read_bytes(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Vec<u8> {
+    let row = 256.max(texture.width() * 4);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row * texture.height()),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+    let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+    queue.submit([encoder.finish()]);
+    buffer.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("a buffer made for reading can be mapped"));
+    device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is alive");
+    let mapped = buffer.slice(..).get_mapped_range().expect("mapping has finished");
+    mapped.chunks_exact(row as usize).flat_map(|line| line[..texture.width() as usize * 4].to_vec()).collect()
+}
+
+#[test]
+fn a_dragged_value_is_shown_within_a_few_frames() {
+    // Two where nothing else runs; tables are filled on a thread, and tests share the cores.
+    const MOST: u32 = 4;
+    let Some((device, queue)) = device() else { return };
+    let mut preview = Preview::new(&device, &queue).expect("the preview can be made");
+    let mut late = Vec::new();
+    for def in PROPERTIES {
+        let mut worst = 0;
+        // The first value may bring a lobe in, whose pipeline is compiled while the old one draws on.
+        for step in 0..6 {
+            let x = 0.2 + 0.1 * f64::from(step);
+            let mut m = material(&[(Property::sheen, f(0.3)), (Property::coat, f(0.3)), (Property::translucency, f(0.3))]);
+            let value = match def.default {
+                Value::Float(_) => f(x),
+                Value::Color(_) => c(x, 0.5, 0.4),
+                Value::Normal(_) => Value::Normal([0.5 * x, 0.0, 0.9]),
+                Value::Bool(_) => Value::Bool(step % 2 == 0),
+            };
+            m.set(def.id, value);
+            preview.set_scene(&device, &queue, &sphere(m));
+            let mut frames = 0;
+            while frames == 0 || !preview.is_current() && frames < 1000 {
+                let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                preview.draw(&device, &queue, &mut encoder, SIDE, SIDE, Display::default());
+                queue.submit([encoder.finish()]);
+                device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is alive");
+                frames += 1;
+            }
+            // On and off in turn, a flag brings a lobe in with its second value.
+            if step > 1 {
+                worst = worst.max(frames);
+            }
+        }
+        println!("{:<26} {worst} frames", def.name);
+        if worst > MOST {
+            late.push((def.name, worst));
+        }
+    }
+    assert!(late.is_empty(), "{late:?}");
 }

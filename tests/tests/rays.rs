@@ -175,7 +175,7 @@ fn change(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
 fn no_property_is_dead() {
     use Property::*;
     /// What the drawn picture leaves to the rays.
-    const LEFT_TO_RAYS: [Property; 2] = [dispersion, height_level];
+    const LEFT_TO_RAYS: [Property; 1] = [dispersion];
     let Some((device, queue)) = device() else { return };
     let rgb = |pixels: Vec<[f32; 4]>| pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect::<Vec<_>>();
     let mut preview = Preview::new(&device, &queue).expect("the preview can be made");

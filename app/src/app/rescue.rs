@@ -68,8 +68,9 @@ impl App {
         self.messages.warning(format!("The graphics device was lost ({why}); the window was opened anew, and nothing is lost."));
     }
 
-    /// Leaves everything to the next window and closes, if the device is gone.
-    pub(super) fn mind_the_device(&mut self, ctx: &egui::Context) {
+    /// Leaves everything to the next window and closes, if the device is gone. Nothing is painted any more then: the window's painter panics on
+    /// a lost device.
+    pub(super) fn has_lost_device(&mut self, ctx: &egui::Context) -> bool {
         if let Some(when) = self.loses_device {
             if Instant::now() >= when {
                 self.loses_device = None;
@@ -77,10 +78,32 @@ impl App {
             }
             ctx.request_repaint_after(Duration::from_millis(50));
         }
-        let Some(why) = self.preview.loss().filter(|_| !self.is_closing) else { return };
+        if self.preview.loss().is_none() {
+            return false;
+        }
+        if !self.is_closing {
+            self.leave();
+            self.is_closing = true;
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        ctx.graphics_mut(|graphics| *graphics = egui::layers::GraphicLayers::default());
+        true
+    }
+
+    /// Leaves everything to the next window if the device is gone.
+    fn leave(&mut self) {
+        let Some(why) = self.preview.loss() else { return };
         self.history.settle();
-        *self.rescue.lock() = Some(Rescued { editor: self.editor.clone(), history: self.history.clone(), why });
-        self.is_closing = true;
-        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        let (editor, history) = (std::mem::take(&mut self.editor), self.history.clone());
+        self.rescue.lock().get_or_insert(Rescued { editor, history, why });
+    }
+}
+
+impl Drop for App {
+    fn drop(&mut self) {
+        // Whoever paints with a lost device may panic before the window closes.
+        if std::thread::panicking() {
+            self.leave();
+        }
     }
 }

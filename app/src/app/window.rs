@@ -4,6 +4,7 @@ use super::App;
 use super::rescue::Rescue;
 use super::screenshot::Screenshot;
 use crate::dialogs::SystemDialogs;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -32,7 +33,15 @@ pub fn run(files: Vec<PathBuf>, options: &WindowOptions) -> Result<(), String> {
     loop {
         let since = Instant::now();
         let (given, after) = (std::mem::take(&mut files), loses_device_after.take());
-        let opened = open(given, options.screenshot.clone(), after, rescue.clone()).map_err(|error| error.to_string());
+        let (screenshot, left) = (options.screenshot.clone(), rescue.clone());
+        // Painting with a lost device panics in the window's painter. The application has left everything to `rescue` then, but the event loop
+        // cannot be used any more.
+        let opened = catch_unwind(AssertUnwindSafe(move || open(given, screenshot, after, left)));
+        let opened = match opened {
+            Ok(opened) => opened.map_err(|error| error.to_string()),
+            Err(_) if rescue.holds_any() => Err("the graphics device was lost".to_owned()),
+            Err(panic) => resume_unwind(panic),
+        };
         if !rescue.holds_any() {
             return opened;
         }

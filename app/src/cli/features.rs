@@ -3,7 +3,7 @@
 use super::progress_line::ProgressLine;
 use super::scene_options::{LoadedScene, SceneOptions};
 use super::{CliError, Messages, Outcome, interrupt, print_out};
-use crate::lobe_costs::{Change, Meter, median};
+use crate::lobe_costs::{Change, Meter};
 use crate::switches::switched_by;
 use burnish_material::{LOBES, LobeSet, Material};
 use burnish_renderer::path::{Film, Prepared, render_pass};
@@ -20,7 +20,7 @@ const REPEATS_OF_LOBE: usize = 3;
 const SECONDS: f64 = 0.25;
 /// Samples per pixel of one picture at most.
 const SPP_MAX: u32 = 256;
-/// Frames of the preview that are timed at most, pruned and full in turn.
+/// Frames of the preview that are timed, pruned and full in turn.
 const FRAMES: usize = 12;
 /// The same for a single lobe.
 const FRAMES_OF_LOBE: usize = 5;
@@ -198,6 +198,11 @@ fn difference(a: &Film, b: &Film) -> f64 {
         if distance == 0.0 { 0.0 } else { distance / error.max(1e-30) }
     };
     (0..3).map(z).fold(0.0, f64::max)
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(1.0)
 }
 
 fn preview_cost(loaded: &LoadedScene, needed: LobeSet, line: &mut ProgressLine) -> Result<PreviewCost, PreviewError> {

@@ -144,7 +144,7 @@ pub fn lobe_strip(ui: &mut Ui, material: &Material, costs: &Costs) -> bool {
     let mut is_asked = false;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 3.0);
-        let text = if costs.is_running { format!("{} of {} ✕", costs.lobes.len(), LOBES.len()) } else { "ms".to_owned() };
+        let text = if costs.is_running { format!("ms {:02}/{}", costs.lobes.len(), LOBES.len()) } else { "ms".to_owned() };
         let button = ui.add(egui::Button::new(RichText::new(text).size(11.5)).small());
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Measure lobes"));
         let hint = match (&costs.problem, costs.is_running) {
@@ -163,7 +163,12 @@ pub fn lobe_strip(ui: &mut Ui, material: &Material, costs: &Costs) -> bool {
             let name = def.name.replace('_', " ");
             let state = if is_in { "in use" } else { "left out" };
             let ms = costs.of(def.lobe).map(|ms| format!("{ms:+.1} ms"));
-            let shown = ms.as_ref().map_or_else(|| name.clone(), |ms| format!("{name} {ms}"));
+            // Room is kept for numbers to come, so that nothing moves as they do.
+            let shown = match costs.of(def.lobe) {
+                Some(ms) => format!("{name} {ms:.*}", usize::from(ms.abs() < 9.95)),
+                None if costs.is_running => format!("{name} ····"),
+                None => name.clone(),
+            };
             let galley = ui.painter().layout_no_wrap(shown, FontId::proportional(11.5), color);
             let (rect, chip) = ui.allocate_exact_size(galley.size() + vec2(12.0, 3.0), Sense::hover());
             chip.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name} {state}")));

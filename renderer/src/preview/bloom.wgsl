@@ -3,7 +3,7 @@
 // Weights of a halving, four texels wide: binomial.
 const HALVING: array<f32, 4> = array<f32, 4>(0.125, 0.375, 0.375, 0.125);
 // Share of the excess that is spread by each level.
-const SPREAD: f32 = 0.03;
+const SPREAD: f32 = 0.02;
 // What a texel gives at most, in units of the display's white: a rare bright sample must not light the picture.
 const EXCESS_MAX: f32 = 64.0;
 
