@@ -4,6 +4,7 @@
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Longest wait for anything that the window shows: a software adapter on a busy machine is slow.
@@ -16,6 +17,9 @@ const ROUGHNESS_TO: (u32, u32) = (1118, 237);
 /// A part of each view that shows the ball: left, top, width, height.
 const PREVIEW: [u32; 4] = [300, 300, 160, 200];
 const FINAL: [u32; 4] = [600, 300, 160, 200];
+
+/// There is one keyboard and one mouse: tests that use them take turns.
+static HANDS: Mutex<()> = Mutex::new(());
 
 const MATERIAL: &str = "// Kept as it is.
 {
@@ -151,6 +155,7 @@ fn a_slider_moves_both_views_and_the_file_follows() {
     if !has_tools() {
         return;
     }
+    let _hands = HANDS.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("driven.asm.ron");
     std::fs::write(&file, MATERIAL).unwrap();
@@ -196,6 +201,7 @@ fn a_lost_device_costs_nothing_but_a_blink() {
     if !has_tools() {
         return;
     }
+    let _hands = HANDS.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("lost.asm.ron");
     std::fs::write(&file, MATERIAL).unwrap();

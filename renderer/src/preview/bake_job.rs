@@ -41,7 +41,9 @@ struct Direction {
 struct Sums {
     light: Vec3,
     own: f32,
-    covered: [f32; 9],
+    /// Spherical harmonics of all that covers, the solid angle of it that is another body, and the luminance of that body if it were white,
+    /// summed over it.
+    covered: [f32; 11],
 }
 
 /// One mesh that takes part.
@@ -298,8 +300,11 @@ impl Job {
         let floor_t = self.floor.as_ref().filter(|_| x.d.y < -1e-4).map_or(f32::INFINITY, |f| (f.y - ray.origin.y) / x.d.y);
         if hit.is_miss() || hit.t >= floor_t {
             if let (Some(floor), Some(light), true) = (&self.floor, floor_light, floor_t.is_finite()) {
-                let seen = floor.radiance_at(ray.origin + x.d * floor_t, self.light.up, light).unwrap_or(self.light.floor_mean);
-                sums.light += (seen - x.radiance) * (mu * x.weight);
+                let p = ray.origin + x.d * floor_t;
+                if floor.holds(p) {
+                    let seen = floor.radiance_at(p, self.light.up, light).unwrap_or(self.light.floor_mean);
+                    sums.light += (seen - x.radiance) * (mu * x.weight);
+                }
             }
             return;
         }
@@ -310,6 +315,8 @@ impl Job {
         match self.owner(hit).and_then(|b| b.albedo.filter(|_| !Arc::ptr_eq(&b.mesh, &body.mesh))) {
             Some(albedo) => {
                 let light = self.light_on(triangles[hit.triangle as usize], x.d);
+                sums.covered[9] += x.weight;
+                sums.covered[10] += luminance(light) * x.weight;
                 sums.light += albedo * light * (mu * x.weight);
             }
             None => sums.own += mu / PI * x.weight,

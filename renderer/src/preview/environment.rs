@@ -1,8 +1,9 @@
 //! The environment as textures: the map with a chain of averages over solid angle, and the irradiance for every normal.
 //!
-//! Where there is a floor, the lower half of everything but the map itself is the floor's mean colour: wide lobes and
-//! diffuse surfaces then see an endless floor without tracing a ray.
+//! Where there is a floor, everything but the map itself has the floor's mean colour below the floor's edge: wide lobes and diffuse surfaces
+//! then see it without tracing a ray.
 
+use super::floor::Pavement;
 use burnish_assets::Environment;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -49,8 +50,8 @@ pub(super) struct Prefiltered {
     pub floor_mean: Vec3,
 }
 
-/// Averages of `environment`; `floor` is the mean albedo of the floor, if there is one.
-pub(super) fn prefilter(environment: &Environment, floor: Option<Vec3>) -> Prefiltered {
+/// Averages of `environment`, over a floor if there is one.
+pub(super) fn prefilter(environment: &Environment, floor: Option<Pavement>) -> Prefiltered {
     let mut base = Level {
         width: environment.width.max(1),
         height: environment.height.max(1),
@@ -67,11 +68,11 @@ pub(super) fn prefilter(environment: &Environment, floor: Option<Vec3>) -> Prefi
         small = shrink(&small);
     }
     let up = irradiance(&small, Vec3::Y);
-    let floor_mean = floor.map_or(Vec3::ZERO, |albedo| albedo * up / PI);
+    let floor_mean = floor.map_or(Vec3::ZERO, |floor| floor.albedo * up / PI);
     let mut seen = base.clone();
-    if floor.is_some() {
-        pave(&mut seen, floor_mean);
-        pave(&mut small, floor_mean);
+    if let Some(floor) = floor {
+        pave(&mut seen, floor_mean, floor.edge);
+        pave(&mut small, floor_mean, floor.edge);
     }
 
     let mut levels = vec![base];
@@ -96,10 +97,16 @@ pub(super) fn solid_angle(width: usize, height: usize, j: usize) -> f32 {
     (edge(j) - edge(j + 1)) * 2.0 * PI / width as f32
 }
 
-/// Replaces what lies below the horizon.
-fn pave(level: &mut Level, color: Vec3) {
-    let first = level.height.div_ceil(2) * level.width;
-    level.texels[first..].fill(color);
+/// Replaces what lies below an edge, given by the sine of its angle below the horizon.
+fn pave(level: &mut Level, color: Vec3, edge: f32) {
+    let row = (0.5 + edge.clamp(0.0, 1.0).asin() / PI) * level.height as f32;
+    for j in 0..level.height {
+        // The row that the edge runs through is paved in part.
+        let share = (j as f32 + 1.0 - row).clamp(0.0, 1.0);
+        for texel in &mut level.texels[j * level.width..(j + 1) * level.width] {
+            *texel = texel.lerp(color, share);
+        }
+    }
 }
 
 /// Irradiance on a surface of normal `n`: the sum over all texels.
@@ -202,7 +209,7 @@ mod tests {
         let made = prefilter(&white, None);
         assert!(made.levels.iter().flat_map(|l| &l.texels).all(|t| (*t - Vec3::ONE).length() < 1e-5));
         assert!(made.irradiance.texels.iter().all(|t| (t.x - PI).abs() < 0.01), "{:?}", made.irradiance.texels[0]);
-        let floor = prefilter(&white, Some(Vec3::splat(0.5)));
+        let floor = prefilter(&white, Some(Pavement { albedo: Vec3::splat(0.5), edge: 0.0 }));
         assert!((floor.floor_mean.x - 0.5).abs() < 2e-3);
     }
 }

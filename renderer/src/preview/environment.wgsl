@@ -63,7 +63,9 @@ fn incoming(p: vec3f, d: vec3f, angle: f32) -> vec3f {
         // Seen at a slant the cone covers more; the geometric mean of both widths keeps the far floor from shimmering.
         let across = t * angle / sqrt(max(-d.y, 0.02));
         let below = floor_radiance(q, across);
-        light = mix(light, below, smoothstep(0.0, max(0.5 * angle, 1e-4), -d.y));
+        let to_edge = min(q.xz - frame.floor_extent.xy, frame.floor_extent.zw - q.xz);
+        let inside = saturate(0.5 + min(to_edge.x, to_edge.y) / max(across, 1e-4));
+        light = mix(light, below, smoothstep(0.0, max(0.5 * angle, 1e-4), -d.y) * inside);
     }
     return light * frame.environment.z;
 }

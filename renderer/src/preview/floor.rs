@@ -27,8 +27,19 @@ pub(super) struct Floor {
     pub half_width: f32,
     /// Albedo, [`COLOR_SIZE`] squared, rows along z.
     pub color: Vec<Vec3>,
-    /// Mean albedo of the map.
-    pub mean: Vec3,
+    /// What wide lobes see of it.
+    pub pavement: Pavement,
+    /// Its corners, x and z: beyond them is nothing but the environment.
+    pub extent: [Vec2; 2],
+}
+
+/// A floor as it is seen from the middle of the edited object: one colour, up to its edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pavement {
+    /// Mean albedo.
+    pub albedo: Vec3,
+    /// How far below the horizon its edge lies: the sine of that angle.
+    pub edge: f32,
 }
 
 impl Floor {
@@ -46,6 +57,12 @@ impl Floor {
             *color * (up + change).max(Vec3::ZERO) / PI
         });
         chain(Level { width: COLOR_SIZE, height: COLOR_SIZE, texels: texels.collect() })
+    }
+
+    /// Whether there is floor at world point `p`.
+    pub fn holds(&self, p: Vec3) -> bool {
+        let [low, high] = self.extent;
+        p.x >= low.x && p.x <= high.x && p.z >= low.y && p.z <= high.y
     }
 
     /// Radiance at world point `p`, or `None` outside of the maps. Nearest texels: for sums over many.
@@ -90,8 +107,16 @@ pub(super) fn find(scene: &Scene) -> Option<Floor> {
         let albedo = object.material.color(Property::base_color).map(|c| c as f32).into();
         paint(&object.mesh, albedo, center, half_width, &mut color);
     }
-    let mean = color.iter().sum::<Vec3>() / color.len() as f32;
-    Some(Floor { y, center, half_width, color, mean })
+    let covered = color.iter().filter(|c| **c != Vec3::ZERO).count().max(1);
+    let albedo = color.iter().sum::<Vec3>() / covered as f32;
+    let all = parts.iter().map(|o| o.mesh.bounds()).reduce(|a, b| a.union(b))?;
+    let extent = [Vec2::new(all.min.x, all.min.z), Vec2::new(all.max.x, all.max.z)];
+    // A disc of the same area about the object stands for the rectangle.
+    let size = (extent[1] - extent[0]).max(Vec2::ZERO);
+    let reach = (size.x * size.y / PI).sqrt();
+    let height = (bounds.center().y - y).max(0.0);
+    let edge = if reach > 0.0 { height / height.hypot(reach) } else { 1.0 };
+    Some(Floor { y, center, half_width, color, pavement: Pavement { albedo, edge }, extent })
 }
 
 /// Gives every texel whose middle lies in a triangle the triangle's colour.

@@ -4,7 +4,7 @@ use super::Preview;
 use super::upload::FrameBlock;
 use crate::bsdf::interpret;
 use crate::scene::Scene;
-use burnish_material::LobeSet;
+use burnish_material::{LobeSet, Property};
 use glam::{Vec2, Vec3};
 
 /// Largest factor on the environment: products with the largest radiance stay numbers.
@@ -43,14 +43,23 @@ impl Preview {
                 light.map_or(1.0, |l| l.made.levels.len() as f32),
             ],
             floor: floor.map_or([0.0; 4], |f| [f.center.x, f.y, f.center.y, f.half_width]),
+            floor_extent: floor.map_or([0.0; 4], |f| [f.extent[0].x, f.extent[0].y, f.extent[1].x, f.extent[1].y]),
             floor_mean: four(light.map_or(Vec3::ZERO, |l| l.made.floor_mean), 0.0),
             floor_open: four(light.map_or(Vec3::ZERO, |l| l.made.up), 0.0),
             samples: [first as f32, count as f32, all as f32, f32::from(u8::from(self.baker.has_result()))],
             body: four(bounds.center(), bounds.radius()),
+            stand: four(stand_color(scene), 0.0),
             sent_on,
             shine,
         }
     }
+}
+
+/// Mean colour of the bodies that are neither edited nor floor.
+fn stand_color(scene: &Scene) -> Vec3 {
+    let stands = || scene.objects.iter().filter(|o| !o.is_document && !super::floor::is_floor(o));
+    let sum: Vec3 = stands().map(|o| Vec3::from(o.material.color(Property::base_color).map(|c| c as f32))).sum();
+    sum / stands().count().max(1) as f32
 }
 
 /// Share of light that the edited objects send on where it falls on them, all ways together, and how much of it they stop at all; and the

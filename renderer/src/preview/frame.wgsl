@@ -16,6 +16,8 @@ struct Frame {
     environment: vec4f,
     // x, z: centre of the floor map; y: height of the floor; w: half its width, or 0 without a floor.
     floor: vec4f,
+    // Corners of the floor: least x and z, largest x and z.
+    floor_extent: vec4f,
     // Mean radiance of the floor, and irradiance on it where nothing stands near, under an environment of factor 1.
     floor_mean: vec4f,
     floor_open: vec4f,
@@ -23,6 +25,8 @@ struct Frame {
     samples: vec4f,
     // Sphere about the edited object.
     body: vec4f,
+    // Mean colour of what the object stands on, floor apart.
+    stand: vec4f,
     // Share of light that the edited objects send on where it falls on them; w: how much of it they stop at all.
     sent_on: vec4f,
     // Radiance that they shine with, under an environment of factor 1.

@@ -15,7 +15,7 @@ struct Surface {
     n: vec3f,
     // Share of directions above the surface that the body itself covers.
     self_share: f32,
-    // Spherical harmonics of what covers the sky nearby, and the irradiance that what is there receives.
+    // Spherical harmonics of what covers the sky nearby, and what of it is another body: `VertexIn`.
     covered_a: vec4f,
     covered_b: vec4f,
     covered_c: vec4f,
@@ -197,7 +197,11 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
     }
     let bounce = reflected_color(optics) * min(s.self_share, 0.9);
     light = light * frame.environment.z / (1.0 - bounce);
-    let near_radiance = reflected_color(optics) * light * FRAC_1_PI;
+    // What is near is another body or the object itself, lit like the point that looks at it.
+    let covered = max(s.covered_a.x * 3.5449077, 1e-4);
+    let other = min(s.covered_c.y / covered, 1.0);
+    let other_radiance = frame.stand.rgb * (s.covered_c.z / covered * frame.environment.z);
+    let near_radiance = other_radiance + reflected_color(optics) * light * (FRAC_1_PI * (1.0 - other));
 
     var wo = to_local(s, toward);
     // Interpolated normals turn away a little before the surface does.

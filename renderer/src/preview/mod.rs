@@ -56,8 +56,7 @@ use burnish_assets::{Environment, Mesh};
 use burnish_material::{LobeSet, Material};
 use device::guarded;
 use environment::Prefiltered;
-use floor::Floor;
-use glam::Vec3;
+use floor::{Floor, Pavement};
 use pipelines::{PipelineKind, Pipelines};
 use rays::Rays;
 use relief::Reliefs;
@@ -132,7 +131,7 @@ struct Samplers {
 #[derive(Debug)]
 struct Light {
     map: Arc<Environment>,
-    floor_albedo: Option<Vec3>,
+    pavement: Option<Pavement>,
     made: Arc<Prefiltered>,
     radiance: wgpu::TextureView,
     irradiance: wgpu::TextureView,

@@ -2,11 +2,11 @@
 
 use super::device::PreviewError;
 use super::environment::{self, Prefiltered};
+use super::floor::Pavement;
 use super::{Drawn, Light, Preview, Stage, floor, upload};
 use crate::bsdf::Albedos;
 use crate::scene::{Object, Scene};
 use burnish_assets::{Environment, Mesh};
-use glam::Vec3;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use wgpu::util::DeviceExt;
@@ -15,19 +15,19 @@ use wgpu::util::DeviceExt;
 #[derive(Debug)]
 pub(super) struct Filtering {
     map: Arc<Environment>,
-    floor_albedo: Option<Vec3>,
+    pavement: Option<Pavement>,
     result: Receiver<Prefiltered>,
 }
 
 impl Filtering {
-    fn start(map: Arc<Environment>, floor_albedo: Option<Vec3>) -> Self {
+    fn start(map: Arc<Environment>, pavement: Option<Pavement>) -> Self {
         let (sender, result) = channel();
         let source = map.clone();
         std::thread::spawn(move || {
             // Nobody waits any more if another environment was chosen meanwhile.
-            _ = sender.send(environment::prefilter(&source, floor_albedo));
+            _ = sender.send(environment::prefilter(&source, pavement));
         });
-        Self { map, floor_albedo, result }
+        Self { map, pavement, result }
     }
 }
 
@@ -111,15 +111,15 @@ impl Preview {
     /// A new environment is filtered on a thread of its own while the old one lights the picture; only the first is waited for.
     fn take_light(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Result<bool, PreviewError> {
         let map = &scene.environment.map;
-        let floor_albedo = self.stage.floor.as_ref().map(|f| f.mean);
-        if self.light.as_ref().is_some_and(|l| Arc::ptr_eq(&l.map, map) && l.floor_albedo == floor_albedo) {
+        let pavement = self.stage.floor.as_ref().map(|f| f.pavement);
+        if self.light.as_ref().is_some_and(|l| Arc::ptr_eq(&l.map, map) && l.pavement == pavement) {
             self.filtering = None;
             return Ok(false);
         }
         let is_first = self.light.is_none();
         let filtering = match self.filtering.take() {
-            Some(filtering) if Arc::ptr_eq(&filtering.map, map) && filtering.floor_albedo == floor_albedo => filtering,
-            _ => Filtering::start(map.clone(), floor_albedo),
+            Some(filtering) if Arc::ptr_eq(&filtering.map, map) && filtering.pavement == pavement => filtering,
+            _ => Filtering::start(map.clone(), pavement),
         };
         let made = if is_first { filtering.result.recv().ok() } else { filtering.result.try_recv().ok() };
         let Some(made) = made else {
@@ -132,7 +132,7 @@ impl Preview {
         }
         self.light = Some(Light {
             map: map.clone(),
-            floor_albedo,
+            pavement,
             radiance: upload::upload_levels(device, queue, "environment", &made.levels)?,
             irradiance: upload::upload_levels(device, queue, "irradiance", std::slice::from_ref(&made.irradiance))?,
             made: Arc::new(made),

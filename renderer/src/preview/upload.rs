@@ -32,10 +32,12 @@ pub(super) struct FrameBlock {
     pub jitter: [f32; 4],
     pub environment: [f32; 4],
     pub floor: [f32; 4],
+    pub floor_extent: [f32; 4],
     pub floor_mean: [f32; 4],
     pub floor_open: [f32; 4],
     pub samples: [f32; 4],
     pub body: [f32; 4],
+    pub stand: [f32; 4],
     pub sent_on: [f32; 4],
     pub shine: [f32; 4],
 }
@@ -66,7 +68,8 @@ pub(super) struct Vertex {
 pub(super) struct BakedVertex {
     /// Light taken or added, and the share of the body itself.
     pub light: [f32; 4],
-    /// Spherical harmonics of what covers the surroundings; nine are used.
+    /// Nine spherical harmonics of what covers the surroundings; the solid angle of it that is another body, and the luminance of that if it
+    /// were white, summed over it.
     pub covered: [f32; 12],
 }
 

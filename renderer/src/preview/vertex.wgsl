@@ -7,7 +7,8 @@ struct VertexIn {
     @location(3) uv: vec2f,
     // Light that occlusion takes or neighbours add, xyz, per unit of the environment's factor; w: share of the body itself.
     @location(4) baked_light: vec4f,
-    // What stands around the point: spherical harmonics of its coverage, 9 coefficients, and the colour of what is there.
+    // What stands around the point: 9 spherical harmonics of its coverage; the solid angle of it that is another body, and the luminance of that
+    // if it were white, summed over it.
     @location(5) covered_a: vec4f,
     @location(6) covered_b: vec4f,
     @location(7) covered_c: vec4f,
