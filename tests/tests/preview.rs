@@ -242,3 +242,60 @@ fn a_dragged_value_is_shown_within_a_few_frames() {
     }
     assert!(late.is_empty(), "{late:?}");
 }
+
+#[test]
+fn a_small_floor_lights_no_more_than_it_covers() {
+    let Some((device, queue)) = device() else { return };
+    // Bright above, dark below: what shines from below is the floor.
+    let model: ModelMeshes = make_shape("sphere").expect("the sphere is built in").into();
+    let matt =
+        material(&[(Property::roughness, f(1.0)), (Property::specular_level, f(0.0)), (Property::base_color, c(0.8, 0.8, 0.8))]);
+    let light = environment(&[1.0, 1.0, 1.0, 1.0, 0.02, 0.02, 0.02, 0.02]);
+    let mut scene = Scene::of_model(&model, Arc::new(matt.clone()), Arc::default(), light, 100.0);
+    let bounds = scene.document_bounds();
+    // Seen from below its middle, without the floor in the way of the look.
+    scene.camera.origin.y = bounds.center().y - 0.3 * bounds.radius();
+    let lower = |pixels: &mut dyn Iterator<Item = (f64, bool)>| {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (k, (x, is_object)) in pixels.enumerate() {
+            if is_object && k / SIDE as usize > SIDE as usize / 2 {
+                sum += x;
+                count += 1.0;
+            }
+        }
+        sum / f64::max(count, 1.0)
+    };
+    let mut means = Vec::new();
+    for reach in [f32::INFINITY, 2.0 * bounds.radius()] {
+        let mut scene = scene.clone();
+        for object in scene.objects.iter_mut().filter(|object| !object.is_document) {
+            let mut mesh = (*object.mesh).clone();
+            let positions = mesh.positions.clone();
+            mesh.triangles
+                .retain(|t| t.iter().all(|&i| positions[i as usize].x.abs().max(positions[i as usize].z.abs()) <= reach));
+            let (mesh, _) = mesh.complete();
+            object.mesh = Arc::new(mesh);
+            object.material = Arc::new(matt.clone());
+        }
+        let mut preview = Preview::new(&device, &queue).expect("the preview can be made");
+        preview.set_rays(false);
+        preview.set_scene(&device, &queue, &scene);
+        let drawn = preview.render(&device, &queue, SIDE, SIDE, 4).expect("the preview draws");
+        let settings = Settings {
+            width: SIDE as usize,
+            height: SIDE as usize,
+            seed: 3,
+            threads: 2,
+            stop: StopRules { spp: Some(256), seconds: None, relmse: None },
+            is_adaptive: false,
+        };
+        let traced = render(&scene, &settings, &mut |_| true).film.mean();
+        let is_object = |k: usize| drawn[k][3] > 0.99 && k / (SIDE as usize) < SIDE as usize * 3 / 4;
+        let of = |pixels: Vec<f32>| lower(&mut pixels.into_iter().enumerate().map(|(k, x)| (f64::from(x), is_object(k))));
+        let [ours, theirs] = [of(drawn.iter().map(|p| p[1]).collect()), of(traced.iter().map(|p| p[1]).collect())];
+        println!("floor to {reach}: {ours:.4} drawn, {theirs:.4} traced");
+        means.push((ours, theirs));
+    }
+    assert!(means.iter().all(|(ours, theirs)| (ours / theirs - 1.0).abs() < 0.07), "{means:?}");
+    assert!(means[1].1 < 0.9 * means[0].1, "the small floor makes a difference: {means:?}");
+}

@@ -1,5 +1,7 @@
 //! The environment as textures: the map with a chain of averages over solid angle, and the irradiance for every normal.
 //!
+//! Each level but the map itself is smooth: its texels are averages by a bell of [`BELL`] texels, so that looking it up shows no grid.
+//!
 //! Where there is a floor, everything but the map itself has the floor's mean colour below the floor's edge: wide lobes and diffuse surfaces
 //! then see it without tracing a ray.
 
@@ -8,6 +10,8 @@ use burnish_assets::Environment;
 use glam::Vec3;
 use std::f32::consts::PI;
 
+/// Standard deviation of the bell that a level is averaged by, in its own texels: `environment_radiance` in `environment.wgsl` counts on it.
+const BELL: f32 = 2.0;
 /// Largest number that a half float keeps, with some room.
 const HALF_MAX: f32 = 60_000.0;
 /// Largest radiance that is summed up.
@@ -77,7 +81,10 @@ pub(super) fn prefilter(environment: &Environment, floor: Option<Pavement>) -> P
 
     let mut levels = vec![base];
     while seen.width > 1 || seen.height > 1 {
+        // The bell of the level before counts half as much now.
+        let before = if levels.len() > 1 { 0.5 * BELL } else { 0.0 };
         seen = shrink(&seen);
+        smooth(&mut seen, BELL * BELL - before * before);
         levels.push(seen.clone());
     }
     let (width, height) = IRRADIANCE_SIZE;
@@ -146,6 +153,44 @@ fn shrink(from: &Level) -> Level {
         }
     }
     Level { width, height, texels }
+}
+
+/// Averages by a bell of this variance in texels along a meridian, and as far along a parallel.
+fn smooth(level: &mut Level, variance: f32) {
+    let (width, height) = (level.width, level.height);
+    let weight = |j: usize| solid_angle(width, height, j);
+    let reach = (3.0 * variance.sqrt()).ceil() as isize;
+    let bell: Vec<f32> = (-reach..=reach).map(|k| (-0.5 * (k * k) as f32 / variance).exp()).collect();
+    // Down a meridian and over the poles, where it goes on half a turn away.
+    let mut texels = vec![Vec3::ZERO; level.texels.len()];
+    for j in 0..height {
+        for i in 0..width {
+            let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+            for (k, w) in (-reach..=reach).zip(&bell) {
+                let turned = (j as isize + k).rem_euclid(2 * height as isize) as usize;
+                let (y, x) = if turned < height { (turned, i) } else { (2 * height - 1 - turned, (i + width / 2) % width) };
+                let w = w * weight(y);
+                sum += level.texels[y * width + x] * w;
+                total += w;
+            }
+            texels[j * width + i] = sum / total.max(f32::MIN_POSITIVE);
+        }
+    }
+    // Along a parallel a texel is the shorter the nearer the pole: three boxes make a bell.
+    for (j, row) in texels.chunks_exact_mut(width).enumerate() {
+        let across = (j as f32 + 0.5) / height as f32 * PI;
+        let box_width = (4.0 * variance / across.sin().powi(2) + 1.0).sqrt();
+        let half = ((0.5 * (box_width - 1.0)).round() as usize).min(width.saturating_sub(1) / 2);
+        for _ in 0..3 {
+            let old = row.to_vec();
+            let mut sum: Vec3 = (0..=2 * half).map(|k| old[(k + width - half) % width]).sum();
+            for i in 0..width {
+                row[i] = (sum / (2 * half + 1) as f32).max(Vec3::ZERO);
+                sum += old[(i + half + 1) % width] - old[(i + width - half) % width];
+            }
+        }
+    }
+    level.texels = texels;
 }
 
 /// Gives what half floats cannot hold to the neighbours, so that a sun keeps its light.

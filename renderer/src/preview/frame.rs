@@ -12,7 +12,7 @@ const SCALE_MAX: f32 = 1e30;
 
 /// Samples per lobe in each picture. A software adapter has little time for them.
 pub(super) fn samples_on(device: &wgpu::Device) -> u32 {
-    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 4 } else { 8 }
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 6 } else { 8 }
 }
 
 impl Preview {

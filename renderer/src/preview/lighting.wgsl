@@ -1,9 +1,12 @@
 // Light on objects. Reflections are sampled from the lobes themselves, the same directions in every pixel, and each
 // sample sees the light averaged over its share of directions: clean in one frame, exact in many.
 
-// Numbers in [0, 1)^3 that fill the cube evenly, whichever stretch of the sequence is taken (Roberts 2018).
-fn sequence(index: f32) -> vec3f {
-    return fract(vec3f(0.5) + index * vec3f(0.8191725134, 0.6710436067, 0.5497004779));
+// Numbers in [0, 1)^3 of sample `k` of the `count` of a picture. The first two make a spiral over a disc whose turns are as far apart as its points
+// (Vogel 1979): round lobes stay round with few samples. Pictures are shifted against each other evenly (Roberts 2018).
+fn sample_numbers(k: f32, count: f32) -> vec3f {
+    let picture = frame.samples.x / frame.samples.y;
+    let shift = fract(vec3f(0.5) + picture * vec3f(0.8191725134, 0.6710436067, 0.5497004779));
+    return vec3f((k + shift.x) / count, fract(k * 0.6180339887 + shift.y), fract(k * 0.7548776662 + shift.z));
 }
 
 // A surface point in the world.
@@ -101,16 +104,19 @@ fn reflections(prepared: Bsdf, s: Surface, near_radiance: vec3f) -> vec3f {
         var choice = 0.5 * b.p_coat;
         var share = b.p_coat / f32(max(coat_count, 1u));
         var k = i;
+        var count = coat_count;
         if i >= coat_count + sheen_count {
             choice = b.p_coat + b.p_sheen + 0.5 * b.p_interface;
             share = b.p_interface / f32(max(base_count, 1u));
             k = i - coat_count - sheen_count;
+            count = base_count;
         } else if i >= coat_count {
             choice = b.p_coat + 0.5 * b.p_sheen;
             share = b.p_sheen / f32(max(sheen_count, 1u));
             k = i - coat_count;
+            count = sheen_count;
         }
-        let u = sequence(frame.samples.x * samples_of_lobe(b.optics) + f32(k));
+        let u = sample_numbers(f32(k), f32(count));
         let drawn = bsdf_sample(b, vec4f(choice, u.xy, 0.0));
         var reflect_share = 1.0;
         if HAS_TRANSMISSION && i >= coat_count + sheen_count {
