@@ -6,7 +6,7 @@ mod rescue;
 mod screenshot;
 mod window;
 
-pub use window::{WindowOptions, run};
+pub use window::{WindowError, WindowOptions, run};
 
 use crate::command::{Command, Menu};
 use crate::dialogs::Dialogs;

@@ -19,6 +19,8 @@ pub struct Shown {
 #[derive(Debug, Default)]
 pub struct Latency {
     waiting: Option<(Instant, u32)>,
+    /// Pictures that the device has not finished.
+    finishing: u32,
     shown: VecDeque<Shown>,
 }
 
@@ -32,11 +34,26 @@ impl Latency {
     pub fn drawn(&mut self, is_current: bool) -> Option<(Instant, u32)> {
         let (_, frames) = self.waiting.as_mut()?;
         *frames += 1;
-        if is_current { self.waiting.take() } else { None }
+        if !is_current {
+            return None;
+        }
+        self.finishing += 1;
+        self.waiting.take()
+    }
+
+    /// Nobody waits any more.
+    pub fn forget(&mut self) {
+        self.waiting = None;
+    }
+
+    /// Whether the device works on a picture that shows an edit.
+    pub fn is_finishing(&self) -> bool {
+        self.finishing > 0
     }
 
     /// The device has finished the picture that shows an edit.
     pub fn finished(&mut self, (since, frames): (Instant, u32)) {
+        self.finishing = self.finishing.saturating_sub(1);
         self.shown.push_back(Shown { ms: 1e3 * since.elapsed().as_secs_f64(), frames });
         if self.shown.len() > KEPT {
             self.shown.pop_front();
@@ -59,6 +76,9 @@ mod tests {
     fn edits_that_wait_are_one() {
         let mut latency = Latency::default();
         assert!(latency.drawn(true).is_none(), "nothing was edited");
+        latency.edited();
+        latency.forget();
+        assert!(latency.drawn(true).is_none() && !latency.is_finishing(), "the edit was forgotten");
         latency.edited();
         assert!(latency.drawn(false).is_none());
         latency.edited();

@@ -5,6 +5,7 @@ use burnish_material::{LOBES, Lobe, LobeSet};
 use burnish_renderer::preview::PreviewError;
 use burnish_renderer::scene::Scene;
 use egui::Context;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -46,6 +47,7 @@ impl LiveCosts {
     /// What was found for a material with these lobes; nothing if another was measured.
     pub fn found(&self, needed: LobeSet) -> Costs {
         if needed != self.needed {
+            self.cancel();
             return Costs::default();
         }
         self.found.lock().unwrap_or_else(PoisonError::into_inner).clone()
@@ -63,8 +65,13 @@ impl LiveCosts {
                 change(&mut found.lock().unwrap_or_else(PoisonError::into_inner));
                 ctx.request_repaint();
             };
-            let result = measure(&scene, needed, size, &stop, &|lobe, ms| tell(&|costs| costs.lobes.push((lobe, ms))));
-            let problem = result.err().map(|error| error.to_string());
+            let found = |lobe, ms| tell(&|costs| costs.lobes.push((lobe, ms)));
+            // A device of its own, whose failures must not leave the window waiting.
+            let result = catch_unwind(AssertUnwindSafe(|| measure(&scene, needed, size, &stop, &found)));
+            let problem = match result {
+                Ok(result) => result.err().map(|error| error.to_string()),
+                Err(_) => Some("the graphics device failed".to_owned()),
+            };
             tell(&|costs| (costs.is_running, costs.problem) = (false, problem.clone()));
         };
         if let Err(error) = std::thread::Builder::new().name("lobe costs".to_owned()).spawn(work) {
@@ -74,7 +81,7 @@ impl LiveCosts {
     }
 
     /// Ends the measurement; what was found stays.
-    pub fn cancel(&mut self) {
+    pub fn cancel(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 }

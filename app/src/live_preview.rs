@@ -5,6 +5,7 @@ use burnish_renderer::preview::{FrameTimes, Preview, PreviewError};
 use burnish_renderer::scene::Scene;
 use burnish_renderer::tonemap::Display;
 use egui_wgpu::{RenderState, wgpu};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -118,6 +119,14 @@ struct Gpu {
     has_bloom: bool,
 }
 
+impl Drop for Gpu {
+    fn drop(&mut self) {
+        if let Some(id) = self.texture {
+            self.render_state.renderer.write().free_texture(&id);
+        }
+    }
+}
+
 fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     // What is kept is whole between two statements, so a panic elsewhere cannot leave it half changed.
     shared.lock().unwrap_or_else(PoisonError::into_inner)
@@ -185,11 +194,26 @@ impl LivePreview {
 
     /// Why the window's device is gone, if it is: nothing can be drawn with it any more.
     pub fn loss(&self) -> Option<String> {
-        if let Some(device) = &self.device {
-            // The device tells when it is asked. What it answers besides does not matter here.
-            _ = device.poll(wgpu::PollType::Poll);
+        if let Some(device) = self.device.as_ref().filter(|_| self.known_loss().is_none()) {
+            // The device tells when it is asked, and panics then where its driver has crashed.
+            _ = catch_unwind(AssertUnwindSafe(|| device.poll(wgpu::PollType::Poll)));
         }
+        self.known_loss()
+    }
+
+    /// The same, without asking the device.
+    pub fn known_loss(&self) -> Option<String> {
         locked(&self.loss).clone()
+    }
+
+    /// The picture is not shown now: how long edits take to reach it counts for nothing.
+    pub fn forget_edit(&self) {
+        locked(&self.latency).forget();
+    }
+
+    /// Whether the device has yet to tell that it has finished the picture of an edit: it does when it is asked.
+    pub fn is_finishing(&self) -> bool {
+        locked(&self.latency).is_finishing()
     }
 
     /// The last edit that reached the picture, and the worst of the last hundred.
@@ -287,18 +311,18 @@ impl LivePreview {
         if let Some(seconds) = waited {
             gpu.preview.took(seconds);
         }
-        let edit = locked(&self.latency).drawn(gpu.preview.is_current());
-        if let Some(edit) = edit {
-            let latency = self.latency.clone();
-            let note = move || locked(&latency).finished(edit);
-            if waited.is_some() { note() } else { queue.on_submitted_work_done(note) }
-        }
-        if matches!(gpu.preview.error(), Some(PreviewError::Memory(_))) && self.memory.0 < MEMORY_DIVISOR_MAX {
+        if matches!(gpu.preview.error(), Some(PreviewError::TooLarge(_))) && self.memory.0 < MEMORY_DIVISOR_MAX {
             // Smaller pictures need less: what was there before has to do for this frame.
             self.memory.0 = 2 * divisor.min(MEMORY_DIVISOR_MAX / 2);
             gpu.preview.forget_error();
             (gpu.drawn, self.is_owing) = (None, true);
             return gpu.texture;
+        }
+        let edit = locked(&self.latency).drawn(gpu.preview.is_current());
+        if let Some(edit) = edit {
+            let latency = self.latency.clone();
+            let note = move || locked(&latency).finished(edit);
+            if waited.is_some() { note() } else { queue.on_submitted_work_done(note) }
         }
         if let Some(view) = gpu.preview.display_view() {
             let mut renderer = renderer.write();

@@ -373,6 +373,7 @@ fn without_a_gpu_the_viewport_says_so() {
     let window = window();
     window.get_by_label_contains("No usable GPU");
     window.get_by_label("Show final view");
+    window.get_by_label("Try again");
 }
 
 /// Draws until a label that contains this is there.

@@ -31,7 +31,8 @@ impl App {
             Command::Undo => self.history.undo_label().is_some(),
             Command::Redo => self.history.redo_label().is_some(),
             Command::ResetAll => self.editor.document.material.slots().any(|(_, slot)| *slot != Slot::default()),
-            Command::ShowPreview | Command::ShowBoth | Command::ShowWipe | Command::ShowDifference | Command::ToggleFinal => {
+            // The preview's own place says why there is none, and tries again.
+            Command::ShowBoth | Command::ShowWipe | Command::ShowDifference | Command::ToggleFinal => {
                 self.preview.problem().is_none()
             }
             _ => true,

@@ -33,6 +33,9 @@ impl App {
                 self.take_way(way, &ctx);
             }
         }
+        if layout.preview.is_none() {
+            self.preview.forget_edit();
+        }
         let Some(rect) = layout.final_view else { return };
         if let Some(view) = &mut self.final_view {
             view.update(&ctx, display, self.editor.view.is_denoise_on);
@@ -74,6 +77,9 @@ impl App {
         }
         self.preview.set_bloom(self.editor.view.is_bloom_on && self.editor.view.mode == ViewMode::Preview);
         let texture = self.preview.draw(size, self.editor.view.display, idle);
+        if self.preview.is_finishing() {
+            ctx.request_repaint_after(Duration::from_millis(1));
+        }
         if self.preview.is_owing() {
             // Right after an event, wait for the hand to rest; then go on without a pause.
             ctx.request_repaint_after(REST.saturating_sub(idle).min(Duration::from_millis(60)));

@@ -40,18 +40,26 @@ impl Rescue {
         if !document.is_modified() {
             return "no unsaved changes are lost".to_owned();
         }
-        let mut path = document.path().and_then(Path::parent).map_or_else(PathBuf::new, Path::to_path_buf).join(RESCUED_FILE);
-        for number in 2.. {
-            if !path.exists() {
-                break;
+        let text = document.file().to_text(&document.material);
+        let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from);
+        let own = document.path().and_then(Path::parent).map(Path::to_path_buf);
+        let mut problem = String::new();
+        for folder in [own, Some(PathBuf::new()), home, Some(std::env::temp_dir())].into_iter().flatten() {
+            let path = free_path(&folder);
+            match files::save_atomic(&path, text.as_bytes()) {
+                Ok(()) => return format!("unsaved changes were written to {}", path.display()),
+                Err(error) => problem = error.to_string(),
             }
-            path.set_file_name(format!("burnish-rescued-{number}.asm.ron"));
         }
-        match files::save_atomic(&path, document.file().to_text(&document.material).as_bytes()) {
-            Ok(()) => format!("unsaved changes were written to {}", path.display()),
-            Err(error) => format!("unsaved changes could not be written: {error}"),
-        }
+        format!("unsaved changes could not be written: {problem}")
     }
+}
+
+/// A file of that folder that is not there yet.
+fn free_path(folder: &Path) -> PathBuf {
+    let numbered = (2..).map(|number| format!("burnish-rescued-{number}.asm.ron"));
+    let mut names = std::iter::once(RESCUED_FILE.to_owned()).chain(numbered).map(|name| folder.join(name));
+    names.find(|path| !path.exists()).unwrap_or_else(|| folder.join(RESCUED_FILE))
 }
 
 impl App {
@@ -92,7 +100,8 @@ impl App {
 
     /// Leaves everything to the next window if the device is gone.
     fn leave(&mut self) {
-        let Some(why) = self.preview.loss() else { return };
+        // Asking a lost device may panic, and this may be called while that happens.
+        let Some(why) = self.preview.known_loss() else { return };
         self.history.settle();
         let (editor, history) = (std::mem::take(&mut self.editor), self.history.clone());
         self.rescue.lock().get_or_insert(Rescued { editor, history, why });

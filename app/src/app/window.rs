@@ -23,11 +23,20 @@ pub struct WindowOptions {
     pub loses_device_after: Option<Duration>,
 }
 
+/// Why there is no window.
+#[derive(Clone, Debug)]
+pub enum WindowError {
+    /// None could be opened.
+    NotOpened(String),
+    /// One was open, and no other could be opened in its place; the text says where unsaved changes are.
+    Lost(String),
+}
+
 /// Opens the window on these files: materials, meshes and environments, told apart by their endings.
 ///
 /// Where the graphics device is lost, the window closes and opens again with everything as it was. An error means that the window could not be
 /// opened, which on a machine without any graphics adapter is expected; what was being edited is then written to a file that the error names.
-pub fn run(files: Vec<PathBuf>, options: &WindowOptions) -> Result<(), String> {
+pub fn run(files: Vec<PathBuf>, options: &WindowOptions) -> Result<(), WindowError> {
     let rescue = Rescue::default();
     let (mut reopenings, mut files, mut loses_device_after) = (0, files, options.loses_device_after);
     loop {
@@ -43,12 +52,12 @@ pub fn run(files: Vec<PathBuf>, options: &WindowOptions) -> Result<(), String> {
             Err(panic) => resume_unwind(panic),
         };
         if !rescue.holds_any() {
-            return opened;
+            return opened.map_err(WindowError::NotOpened);
         }
         reopenings = if since.elapsed() > LASTING { 1 } else { reopenings + 1 };
         if opened.is_err() || reopenings > REOPENINGS_MAX {
             let why = opened.err().unwrap_or_else(|| "the graphics device was lost again and again".to_owned());
-            return Err(format!("{why}; {}", rescue.write()));
+            return Err(WindowError::Lost(format!("{why}; {}", rescue.write())));
         }
     }
 }

@@ -4,7 +4,7 @@ use super::material_argument::LoadedMaterial;
 use super::render::{self, RenderArguments};
 use super::scene_options::SceneOptions;
 use super::{CliError, Outcome, interrupt};
-use crate::app::WindowOptions;
+use crate::app::{WindowError, WindowOptions};
 use crate::files::is_material_path;
 use burnish_assets::{is_environment_path, is_model_path};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,8 @@ pub fn run(files: Vec<PathBuf>, options: &WindowOptions) -> Result<Outcome, CliE
     let reason = if has_display() {
         match crate::app::run(files.clone(), options) {
             Ok(()) => return Ok(Outcome::Done),
-            Err(error) => format!("the window did not open: {error}"),
+            Err(WindowError::Lost(why)) => return Err(CliError::unusable(why)),
+            Err(WindowError::NotOpened(error)) => format!("the window did not open: {error}"),
         }
     } else {
         "there is no display: neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned()

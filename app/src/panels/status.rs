@@ -5,7 +5,7 @@ use crate::panels::chart::{duration, percent};
 use crate::switches::switched_by;
 use crate::theme;
 use crate::widgets::number;
-use burnish_material::{LOBES, LobeSet, Material};
+use burnish_material::{LOBES, Lobe, LobeSet, Material};
 use burnish_renderer::path::{Convergence, SPP_MAX, StopReason, StopRules};
 use burnish_renderer::preview::FrameTimes;
 use burnish_renderer::worker::Snapshot;
@@ -137,6 +137,18 @@ fn forecast(snapshot: &Snapshot, stop: &StopRules) -> Option<String> {
     ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, text)| text)
 }
 
+/// Which values put a lobe in or out. Finding that out tries many materials: the answer is kept while the same chip is pointed at.
+fn reasons(ui: &Ui, material: &Material, lobe: Lobe) -> String {
+    let id = egui::Id::unique("reasons of a lobe");
+    let kept = ui.data(|data| data.get_temp::<(Lobe, Material, String)>(id));
+    if let Some((_, _, values)) = kept.filter(|(l, m, _)| *l == lobe && m == material) {
+        return values;
+    }
+    let values = switched_by(material, lobe);
+    ui.data_mut(|data| data.insert_temp(id, (lobe, material.clone(), values.clone())));
+    values
+}
+
 /// Shows which lobes are in use and which are left out, each with the reason and, once they were measured, the milliseconds that it takes
 /// of a frame of the preview, or would. Returns whether measuring is to begin or to end.
 pub fn lobe_strip(ui: &mut Ui, material: &Material, costs: &Costs) -> bool {
@@ -181,7 +193,7 @@ pub fn lobe_strip(ui: &mut Ui, material: &Material, costs: &Costs) -> bool {
             }
             chip.on_hover_ui(|ui| {
                 ui.label(RichText::new(format!("{name}: {state}")).strong());
-                let values = switched_by(material, def.lobe);
+                let values = reasons(ui, material, def.lobe);
                 if !values.is_empty() {
                     ui.label(format!("Because {values}."));
                 }

@@ -35,7 +35,7 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
                 ViewMode::Wipe => Command::ShowWipe,
                 ViewMode::Difference => Command::ShowDifference,
             };
-            let is_possible = has_preview || !mode.has_preview();
+            let is_possible = has_preview || !mode.has_preview() || mode == ViewMode::Preview;
             let button = ui.add_enabled(is_possible, egui::Button::selectable(editor.view.mode == mode, name));
             let keys = command.shortcuts().first().map_or_else(String::new, |keys| ui.ctx().format_shortcut(keys));
             let button = button.on_hover_text(format!("{}\nkey {keys}; \\ switches", command.tooltip()));

@@ -91,11 +91,11 @@ impl Baker {
             rotation_deg: scene.environment.rotation_deg,
         });
         let generation = self.generation.fetch_add(1, Ordering::Relaxed) + 1;
-        let job = Job::new(scene, floor.cloned(), light.clone());
+        let (scene, floor, light) = (scene.clone(), floor.cloned(), light.clone());
         let (sender, results) = channel();
         let current = self.generation.clone();
         let work = move || {
-            job.run(&|| current.load(Ordering::Relaxed) != generation, &|baked, is_last| {
+            Job::new(&scene, floor, light).run(&|| current.load(Ordering::Relaxed) != generation, &|baked, is_last| {
                 // Nobody listens any more once the preview is gone.
                 _ = sender.send(Message { baked, is_last });
             })

@@ -64,7 +64,7 @@ impl Bloom {
             });
             texture.create_view(&wgpu::TextureViewDescriptor::default())
         };
-        let (levels, sums) = guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || {
+        let (levels, sums) = guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::TooLarge, || {
             ((0..count).map(make).collect(), (0..count - 1).map(make).collect())
         })?;
         (self.levels, self.sums, self.size) = (levels, sums, (width, height));

@@ -7,9 +7,14 @@ const SPREAD: f32 = 0.02;
 // What a texel gives at most, in units of the display's white: a rare bright sample must not light the picture.
 const EXCESS_MAX: f32 = 64.0;
 
+// Exposure in stops, within the limits of `display_apply`.
+fn stops() -> f32 {
+    return clamp(output.params.y, -64.0, 64.0);
+}
+
 // What is above the display's white, in units of it.
 fn excess(radiance: vec3f) -> vec3f {
-    let shown = finite(radiance) * exp2(output.params.y);
+    let shown = finite(radiance) * exp2(stops());
     let peak = max(max(shown.r, shown.g), max(shown.b, 1e-6));
     return shown * (clamp(peak - 1.0, 0.0, EXCESS_MAX) / peak);
 }
@@ -64,6 +69,6 @@ fn fragment_added(@builtin(position) at: vec4f) -> @location(0) vec4f {
 @fragment
 fn fragment_display_bloom(@builtin(position) at: vec4f) -> @location(0) vec4f {
     let radiance = finite(textureLoad(picture, vec2i(at.xy), 0).rgb);
-    let spread = coarse(before, at.xy) * SPREAD * exp2(-output.params.y);
+    let spread = coarse(before, at.xy) * SPREAD * exp2(-stops());
     return vec4f(display_apply(radiance + spread, output.params.y, u32(output.params.z)), 1.0);
 }

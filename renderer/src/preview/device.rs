@@ -13,6 +13,8 @@ pub enum PreviewError {
     Shader(String),
     /// A texture or buffer could not be made.
     Memory(String),
+    /// The textures of a picture of this size could not be made; a smaller one may do.
+    TooLarge(String),
     /// A picture was asked for before any was drawn.
     NothingDrawn,
     /// The picture could not be read back.
@@ -26,6 +28,7 @@ impl fmt::Display for PreviewError {
             Self::NoDevice(why) => write!(f, "The graphics adapter could not be opened, so there is no live preview: {why}"),
             Self::Shader(why) => write!(f, "The graphics driver refused a shader of the preview: {why}"),
             Self::Memory(why) => write!(f, "The graphics adapter has no memory left for the preview: {why}"),
+            Self::TooLarge(why) => write!(f, "The graphics adapter has no memory for a picture of this size: {why}"),
             Self::NothingDrawn => f.write_str("The preview has not drawn anything yet."),
             Self::ReadBack(why) => write!(f, "The preview's picture could not be read from the graphics adapter: {why}"),
         }
@@ -69,16 +72,20 @@ pub fn headless_device() -> Result<(wgpu::Adapter, wgpu::Device, wgpu::Queue), P
     Ok((adapter, device, queue))
 }
 
-/// Runs `work` and returns what it made, or the first error of this kind that the device reported meanwhile.
+/// Runs `work` and returns what it made, or the first error of this kind that the device reported meanwhile. What is made of things that there was
+/// no memory for is invalid in turn: such errors are told as the first one.
 pub(super) fn guarded<T>(
     device: &wgpu::Device,
     filter: wgpu::ErrorFilter,
     wrap: impl Fn(String) -> PreviewError,
     work: impl FnOnce() -> T,
 ) -> Result<T, PreviewError> {
+    let outer = (filter == wgpu::ErrorFilter::OutOfMemory).then(|| device.push_error_scope(wgpu::ErrorFilter::Validation));
     let scope = device.push_error_scope(filter);
     let made = work();
-    match pollster::block_on(scope.pop()) {
+    let first = pollster::block_on(scope.pop());
+    let follows = outer.and_then(|outer| pollster::block_on(outer.pop()));
+    match first.or(follows) {
         None => Ok(made),
         Some(error) => Err(wrap(error.to_string())),
     }

@@ -9,7 +9,6 @@ use crate::scene::{Object, Scene};
 use burnish_assets::{Environment, Mesh};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
-use wgpu::util::DeviceExt;
 
 /// An environment that is being filtered on a thread of its own.
 #[derive(Debug)]
@@ -186,7 +185,15 @@ impl Preview {
                 Some(drawn) if is_same => Drawn { object: object.clone(), ..drawn },
                 found => {
                     is_changed = true;
-                    self.upload_object(device, queue, (object, &drawn.mesh), (&albedos[i], begins[i]), first_layer, found)?
+                    let of_albedos = (&albedos[i], begins[i]);
+                    match self.upload_object(device, queue, (object, &drawn.mesh), of_albedos, first_layer, found) {
+                        Ok(drawn) => drawn,
+                        Err(error) => {
+                            // What was not looked at yet stays as it was.
+                            self.objects.extend(old.into_iter().flatten());
+                            return Err(error);
+                        }
+                    }
                 }
             };
             self.objects.push(drawn);
@@ -213,16 +220,12 @@ impl Preview {
             let buffers = if Arc::ptr_eq(&drawn.mesh, &mesh) {
                 drawn.buffers
             } else {
-                Arc::new(upload::upload_mesh(device, &mesh, Some(&drawn.buffers))?)
+                Arc::new(upload::upload_mesh(device, queue, &mesh, Some(&drawn.buffers))?)
             };
             return Ok(Drawn { object: object.clone(), mesh, lobes, albedos, begin, first_layer, buffers, values, ..drawn });
         }
-        let buffers = Arc::new(upload::upload_mesh(device, &mesh, None)?);
-        let block = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("object"),
-            contents: bytemuck::bytes_of(&values),
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        });
+        let buffers = Arc::new(upload::upload_mesh(device, queue, &mesh, None)?);
+        let block = upload::filled(device, queue, "object", bytemuck::bytes_of(&values), wgpu::BufferUsages::UNIFORM)?;
         let maps = self.maps.as_ref().map(|maps| &maps.view).ok_or(PreviewError::NothingDrawn)?;
         let bind = bind_object(device, &self.pipelines.layouts.object, &block, maps, &self.samplers.maps);
         Ok(Drawn { object: object.clone(), mesh, lobes, albedos, begin, first_layer, buffers, values, block, bind })

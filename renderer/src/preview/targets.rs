@@ -45,7 +45,7 @@ impl Targets {
         let places = places(device);
         let nothing_else = wgpu::TextureUsages::empty();
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || {
+        guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::TooLarge, || {
             let read = wgpu::TextureUsages::TEXTURE_BINDING;
             let means = [(); 3].map(|()| make("mean", MEAN_FORMAT, read | wgpu::TextureUsages::COPY_SRC));
             let mean_views = [view(&means[0]), view(&means[1]), view(&means[BLENDED])];

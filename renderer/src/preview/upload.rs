@@ -8,7 +8,6 @@ use burnish_material::{Channel, ColorSpace, Kind, PROPERTIES, PROPERTY_COUNT, Pr
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
-use wgpu::util::DeviceExt;
 
 /// Textured properties at most: one layer of the map array each.
 pub(super) const MAPS_MAX: usize = 32;
@@ -92,6 +91,7 @@ pub(super) struct MeshBuffers {
 /// Uploads a mesh with nothing baked yet; one that replaces another of as many vertices takes over what was baked for those.
 pub(super) fn upload_mesh(
     device: &wgpu::Device,
+    queue: &wgpu::Queue,
     mesh: &Mesh,
     previous: Option<&MeshBuffers>,
 ) -> Result<MeshBuffers, PreviewError> {
@@ -106,16 +106,34 @@ pub(super) fn upload_mesh(
         .collect();
     let baked = vec![BakedVertex::default(); count];
     let kept = previous.map(|buffers| &buffers.baked).filter(|kept| kept.size() == size_of_val(&baked[..]) as u64);
-    let make = |label, contents: &[u8], usage| {
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
-    };
-    guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || MeshBuffers {
-        vertices: make("vertices", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX),
-        baked: kept.cloned().unwrap_or_else(|| {
-            make("baked light", bytemuck::cast_slice(&baked), wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST)
-        }),
-        indices: make("indices", bytemuck::cast_slice(&mesh.triangles), wgpu::BufferUsages::INDEX),
+    let make = |label, contents: &[u8], usage| filled(device, queue, label, contents, usage);
+    Ok(MeshBuffers {
+        vertices: make("vertices", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX)?,
+        baked: match kept {
+            Some(kept) => kept.clone(),
+            None => make("baked light", bytemuck::cast_slice(&baked), wgpu::BufferUsages::VERTEX)?,
+        },
+        indices: make("indices", bytemuck::cast_slice(&mesh.triangles), wgpu::BufferUsages::INDEX)?,
         index_count: mesh.triangles.len() as u32 * 3,
+    })
+}
+
+/// A buffer with these bytes, a multiple of four. It is written and not mapped: mapping what there is no memory for panics.
+pub(super) fn filled(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    bytes: &[u8],
+    usage: wgpu::BufferUsages,
+) -> Result<wgpu::Buffer, PreviewError> {
+    let usage = usage | wgpu::BufferUsages::COPY_DST;
+    guarded(device, wgpu::ErrorFilter::OutOfMemory, PreviewError::Memory, || {
+        let size = bytes.len() as u64;
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false });
+        if !bytes.is_empty() {
+            queue.write_buffer(&buffer, 0, bytes);
+        }
+        buffer
     })
 }
 
