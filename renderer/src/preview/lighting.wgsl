@@ -202,12 +202,20 @@ fn fragment_object(in: VertexOut, @builtin(front_facing) is_front: bool) -> @loc
         light = max(open_irradiance(s.n) + in.baked_light.xyz, vec3f(0.0));
     }
     let bounce = reflected_color(optics) * min(s.self_share, 0.9);
-    light = light * frame.environment.z / (1.0 - bounce);
+    light = light * frame.environment.z;
+    // A body that shines lights its own hollows.
+    var own_radiance = vec3f(0.0);
+    if HAS_EMISSION {
+        own_radiance = optics.emission;
+        light += own_radiance * (PI * min(s.self_share, 0.9));
+    }
+    light = light / (1.0 - bounce);
+    own_radiance += reflected_color(optics) * light * FRAC_1_PI;
     // What is near is another body or the object itself, lit like the point that looks at it.
     let covered = max(s.covered_a.x * 3.5449077, 1e-4);
     let other = min(s.covered_c.y / covered, 1.0);
     let other_radiance = frame.stand.rgb * (s.covered_c.z / covered * frame.environment.z);
-    let near_radiance = other_radiance + reflected_color(optics) * light * (FRAC_1_PI * (1.0 - other));
+    let near_radiance = other_radiance + own_radiance * (1.0 - other);
 
     var wo = to_local(s, toward);
     // Interpolated normals turn away a little before the surface does.
