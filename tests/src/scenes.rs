@@ -2,6 +2,7 @@
 
 use burnish_assets::{Environment, Mesh};
 use burnish_material::Material;
+use burnish_renderer::path::{Settings, StopRules, render};
 use burnish_renderer::{Camera, EnvironmentLight, Object, Scene};
 use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
@@ -47,4 +48,17 @@ pub fn mean(film: &burnish_renderer::path::Film) -> [f64; 3] {
     let pixels = film.mean();
     let n = pixels.len() as f64;
     [0, 1, 2].map(|c| pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / n)
+}
+
+/// Linear radiance of the final view, `side` pixels along each side, after this many samples per pixel.
+pub fn final_picture(scene: &Scene, side: usize, spp: u32) -> Vec<[f32; 3]> {
+    let settings = Settings {
+        width: side,
+        height: side,
+        seed: 7,
+        threads: 2,
+        stop: StopRules { spp: Some(spp), seconds: None, relmse: None },
+        is_adaptive: false,
+    };
+    render(scene, &settings, &mut |_| true).film.mean()
 }

@@ -2,13 +2,12 @@
 
 use burnish_assets::make_shape;
 use burnish_material::{Material, PROPERTIES, Property, TextureRef, Value};
-use burnish_renderer::path::{Settings, StopRules, render};
 use burnish_renderer::preview::Preview;
 use burnish_renderer::scene::{ModelMeshes, Scene, TextureSet};
 use burnish_renderer::tonemap::Display;
 use burnish_tests::gpu::device;
 use burnish_tests::materials::{c, f, material};
-use burnish_tests::scenes::environment;
+use burnish_tests::scenes::{environment, final_picture};
 use std::sync::Arc;
 
 /// Pixels along each side.
@@ -138,15 +137,7 @@ fn heights_move_the_outline_as_in_the_final_view() {
         preview.set_scene(&device, &queue, &scene);
         let pixels = preview.render(&device, &queue, side, side, 16).expect("the preview draws");
         let drawn = lit(&mut pixels.iter().map(|p| p[1]));
-        let settings = Settings {
-            width: side as usize,
-            height: side as usize,
-            seed: 3,
-            threads: 2,
-            stop: StopRules { spp: Some(64), seconds: None, relmse: None },
-            is_adaptive: false,
-        };
-        let expected = lit(&mut render(&scene, &settings, &mut |_| true).film.mean().iter().map(|p| p[1]));
+        let expected = lit(&mut final_picture(&scene, side as usize, 64).iter().map(|p| p[1]));
         println!("{name}: {drawn:.1} pixels drawn, {expected:.1} traced");
         assert!((drawn / expected - 1.0).abs() < 0.015, "{name}: {drawn} {expected}");
         areas.push(drawn);
@@ -281,15 +272,7 @@ fn a_small_floor_lights_no_more_than_it_covers() {
         preview.set_rays(false);
         preview.set_scene(&device, &queue, &scene);
         let drawn = preview.render(&device, &queue, SIDE, SIDE, 4).expect("the preview draws");
-        let settings = Settings {
-            width: SIDE as usize,
-            height: SIDE as usize,
-            seed: 3,
-            threads: 2,
-            stop: StopRules { spp: Some(256), seconds: None, relmse: None },
-            is_adaptive: false,
-        };
-        let traced = render(&scene, &settings, &mut |_| true).film.mean();
+        let traced = final_picture(&scene, SIDE as usize, 256);
         let is_object = |k: usize| drawn[k][3] > 0.99 && k / (SIDE as usize) < SIDE as usize * 3 / 4;
         let of = |pixels: Vec<f32>| lower(&mut pixels.into_iter().enumerate().map(|(k, x)| (f64::from(x), is_object(k))));
         let [ours, theirs] = [of(drawn.iter().map(|p| p[1]).collect()), of(traced.iter().map(|p| p[1]).collect())];

@@ -1,13 +1,12 @@
 //! Does the preview show what the final view shows: rays against paths, every property, every case of the stability suite?
 
 use burnish_material::{Kind, Material, PROPERTIES, Property, TextureRef, Value, Vary};
-use burnish_renderer::path::{Settings, StopRules, render};
 use burnish_renderer::preview::Preview;
 use burnish_renderer::scene::{Scene, TextureSet};
 use burnish_renderer::stability::suite;
 use burnish_tests::gpu::device;
 use burnish_tests::materials::{c, f, material};
-use burnish_tests::scenes::environment;
+use burnish_tests::scenes::{environment, final_picture};
 use std::sync::Arc;
 
 /// Pixels along each side.
@@ -42,18 +41,6 @@ fn waves() -> burnish_assets::Image {
 fn with_map(mut material: Material, property: Property) -> (Material, TextureSet) {
     material.slot_mut(property).texture = Some(TextureRef::new("waves"));
     (material, TextureSet::from([("waves".to_owned(), Arc::new(waves()))]))
-}
-
-fn final_picture(scene: &Scene, side: usize, spp: u32) -> Vec<[f32; 3]> {
-    let settings = Settings {
-        width: side,
-        height: side,
-        seed: 7,
-        threads: 2,
-        stop: StopRules { spp: Some(spp), seconds: None, relmse: None },
-        is_adaptive: false,
-    };
-    render(scene, &settings, &mut |_| true).film.mean()
 }
 
 /// Means over the four quarters of a picture, three channels each.
