@@ -2,7 +2,9 @@
 //!
 //! Every preset is one file `data/<group>/<name>.asm.ron` with its sources inside; the build embeds them all. This
 //! crate lists, finds and parses them. It does not render, and it never changes a value: what was measured stays as
-//! measured, and what was set by eye says so in the file.
+//! measured, and what was set by eye says so in the file. [`measured`] compares values with those of real materials.
+
+pub mod measured;
 
 use burnish_material::{FileError, MaterialFile, Warning};
 
