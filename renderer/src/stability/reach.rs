@@ -87,6 +87,7 @@ fn texel_range(property: Property, reference: &TextureRef, image: &Image) -> [[f
             Channel::B => [b; 3],
             Channel::A => [texel[3]; 3],
         };
+        let value = if reference.is_inverted { default.kind().inverted(value) } else { value };
         for k in 0..3 {
             let x = if value[k].is_finite() { f64::from(value[k]) } else { stand_in[k] };
             range[0][k] = range[0][k].min(x);
