@@ -29,4 +29,5 @@ pub mod scene_file;
 pub mod switches;
 pub mod texture_set;
 pub mod theme;
+pub mod thumbnails;
 pub mod widgets;
