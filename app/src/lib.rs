@@ -27,5 +27,7 @@ pub mod parity;
 pub mod picture_file;
 pub mod scene_file;
 pub mod switches;
+pub mod texture_set;
 pub mod theme;
+pub mod thumbnails;
 pub mod widgets;

@@ -20,6 +20,9 @@ pub struct TextureRef {
     pub channel: Channel,
     /// How stored values become linear ones.
     pub color_space: ColorSpace,
+    /// Whether 1 - x is read for x, after `color_space` has made x linear: a map of gloss then serves as one of roughness. In maps of
+    /// directions only green is turned over, see [`Kind::inverted`](crate::Kind::inverted).
+    pub is_inverted: bool,
     /// What lies outside the unit square.
     pub wrap: Wrap,
     /// Repetitions per unit of uv.
@@ -37,6 +40,7 @@ impl TextureRef {
             path: path.into(),
             channel: Channel::Rgb,
             color_space: ColorSpace::Auto,
+            is_inverted: false,
             wrap: Wrap::Repeat,
             uv_scale: [1.0; 2],
             uv_offset: [0.0; 2],

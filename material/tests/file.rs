@@ -94,6 +94,9 @@ fn edits_change_only_their_own_text() {
         ("(2.0, 2) }", "(2.0, 2), \"wrap\": \"clamp\" }", &|m| {
             m.slot_mut(P::roughness).texture.as_mut().unwrap().wrap = Wrap::Clamp
         }),
+        ("(2.0, 2) }", "(2.0, 2), \"invert\": true }", &|m| {
+            m.slot_mut(P::roughness).texture.as_mut().unwrap().is_inverted = true
+        }),
         ("\"Gold, polished\"", "\"Say \\\"Gold\\\"\\n\\\\ é\"", &|m| m.name = "Say \"Gold\"\n\\ é".into()),
         ("\"measured\"]", "\"measured\", \"warm\"]", &|m| m.tags.push("warm".into())),
         ("\"metal\", ", "", &|m| _ = m.tags.remove(0)),
@@ -263,15 +266,29 @@ fn refused_values_stay_until_they_are_set() {
 
 #[test]
 fn a_bad_field_of_a_texture_costs_only_itself() {
-    let text = r#"{"asm":"4.0","properties":{"roughness":{"texture":{"path":"a.png","channel":"q","uv_scale":(NaN, 1),"wrap":"clamp"}}}}"#;
+    let text = r#"{"asm":"4.0","properties":{"roughness":{"texture":{"path":"a.png","channel":"q","uv_scale":(NaN, 1),"invert":1,"wrap":"clamp"}}}}"#;
     let (file, warnings) = read(text);
     let keys: Vec<_> = warnings.iter().map(|warning| warning.key.as_str()).collect();
-    assert_eq!(keys, ["roughness.texture.channel", "roughness.texture.uv_scale"]);
+    assert_eq!(keys, ["roughness.texture.channel", "roughness.texture.uv_scale", "roughness.texture.invert"]);
+    assert_eq!(warnings[2].message, "expected true or false, found 1; kept in the file, default used");
     let texture = TextureRef { wrap: Wrap::Clamp, ..TextureRef::new("a.png") };
     assert_eq!(file.material().slot(P::roughness).texture, Some(texture));
-    assert_eq!(file.unreadable().len(), 2);
+    assert_eq!(file.unreadable().len(), 3);
     let new = edit(text, |m| m.slot_mut(P::roughness).texture.as_mut().unwrap().uv_scale = [1.0, 2.0]);
     assert_eq!(new, text.replace("(NaN, 1)", "(1.0, 2.0)"));
+}
+
+#[test]
+fn inversion_is_written_where_it_is_on() {
+    let mut material = Material::default();
+    for (is_inverted, text) in [(true, r#"{ "path": "g.png", "invert": true }"#), (false, r#"{ "path": "g.png" }"#)] {
+        material.slot_mut(P::roughness).texture = Some(TextureRef { is_inverted, ..TextureRef::new("g.png") });
+        let file = MaterialFile::new(&material);
+        assert!(file.text().contains(text), "{}", file.text());
+        assert_eq!(file.material(), &material);
+        let turned = edit(file.text(), |m| m.slot_mut(P::roughness).texture.as_mut().unwrap().is_inverted = !is_inverted);
+        assert_eq!(read(&turned).0.material().slot(P::roughness).texture.as_ref().map(|t| t.is_inverted), Some(!is_inverted));
+    }
 }
 
 #[test]

@@ -186,10 +186,12 @@ fn texture() -> impl Strategy<Value = TextureRef> {
         select(Wrap::ALL.to_vec()),
         [number(), number()],
         number(),
+        any::<bool>(),
     );
-    (text(), choices).prop_map(|(path, (channel, color_space, wrap, uv_offset, uv_rotation))| TextureRef {
+    (text(), choices).prop_map(|(path, (channel, color_space, wrap, uv_offset, uv_rotation, is_inverted))| TextureRef {
         channel: channel.0,
         color_space: color_space.0,
+        is_inverted,
         wrap: wrap.0,
         uv_offset,
         uv_rotation,

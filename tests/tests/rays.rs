@@ -43,6 +43,13 @@ fn with_map(mut material: Material, property: Property) -> (Material, TextureSet
     (material, TextureSet::from([("waves".to_owned(), Arc::new(waves()))]))
 }
 
+fn inverted((mut material, textures): (Material, TextureSet), property: Property) -> (Material, TextureSet) {
+    if let Some(texture) = &mut material.slot_mut(property).texture {
+        texture.is_inverted = true;
+    }
+    (material, textures)
+}
+
 /// Means over the four quarters of a picture, three channels each.
 fn quarters(pixels: impl Iterator<Item = [f32; 3]>, side: usize) -> [f64; 12] {
     let mut sums = [0.0; 12];
@@ -83,6 +90,8 @@ fn rays_go_to_the_final_picture() {
         ("lamp", plain(&[(emission, f(0.7)), (emission_color, c(1.0, 0.5, 0.2))])),
         ("colour map", with_map(on(&[]), base_color)),
         ("normal map", with_map(on(&metal), normal)),
+        ("inverted roughness map", inverted(with_map(on(&metal), roughness), roughness)),
+        ("inverted normal map", inverted(with_map(on(&metal), normal), normal)),
         ("height map", with_map(on(&[(height_scale, f(0.15))]), height)),
     ];
     let mut preview = Preview::new(&device, &queue).expect("the preview can be made");

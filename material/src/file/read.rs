@@ -205,6 +205,10 @@ impl<'a> Reader<'a> {
                 "path" => word.map(|word| path = Some(word)).ok_or("a text in quotes".into()).map(|()| true),
                 "channel" => choose(word, Channel::from_word, Channel::ALL, &mut texture.channel),
                 "color_space" => choose(word, ColorSpace::from_word, ColorSpace::ALL, &mut texture.color_space),
+                "invert" => ron::from_str(&text[node.value.clone()])
+                    .map(|is_inverted| texture.is_inverted = is_inverted)
+                    .map_err(|_| "true or false".into())
+                    .map(|()| true),
                 "wrap" => choose(word, Wrap::from_word, Wrap::ALL, &mut texture.wrap),
                 "uv_scale" => pair(text, node, &mut texture.uv_scale),
                 "uv_offset" => pair(text, node, &mut texture.uv_offset),

@@ -326,11 +326,12 @@ fn value(value: Value) -> String {
 }
 
 /// All fields of a texture reference as they are written.
-fn texture_fields(t: &TextureRef) -> [(&'static str, String); 7] {
+fn texture_fields(t: &TextureRef) -> [(&'static str, String); 8] {
     [
         ("path", string(&t.path)),
         ("channel", string(t.channel.word())),
         ("color_space", string(t.color_space.word())),
+        ("invert", t.is_inverted.to_string()),
         ("wrap", string(t.wrap.word())),
         ("uv_scale", tuple(&t.uv_scale)),
         ("uv_offset", tuple(&t.uv_offset)),

@@ -48,6 +48,8 @@ pub(super) struct Source {
     image: Arc<Image>,
     channel: Channel,
     is_srgb: bool,
+    /// The kind of the property that takes inverted values; `None` where values are taken as they are.
+    inverted: Option<Kind>,
     encoding: Encoding,
     /// What stands for a texel that is not finite.
     default: [f32; 3],
@@ -105,6 +107,7 @@ impl Source {
             image: image.clone(),
             channel: reference.channel,
             is_srgb,
+            inverted: reference.is_inverted.then_some(def.default.kind()),
             encoding: Encoding::of(property),
             default,
             decode,
@@ -116,6 +119,7 @@ impl Source {
     fn reads_as(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.image, &other.image)
             && (self.channel, self.is_srgb, self.encoding) == (other.channel, other.is_srgb, other.encoding)
+            && self.inverted == other.inverted
             && self.default == other.default
     }
 
@@ -176,6 +180,7 @@ impl Source {
     #[inline(always)]
     fn averageable(&self, stored: [f32; 4]) -> [f32; 3] {
         let linear = self.linear(stored);
+        let linear = self.inverted.map_or(linear, |kind| kind.inverted(linear));
         let is_usable = linear.iter().all(|x| x.is_finite());
         match self.encoding {
             Encoding::Scalar | Encoding::Color => {
@@ -367,6 +372,25 @@ mod tests {
     }
 
     #[test]
+    fn inverted_values_are_linear_ones() {
+        let read = |property, texel: [f32; 4], is_eight_bit| {
+            let image = Arc::new(Image { width: 1, height: 1, texels: vec![texel], is_eight_bit });
+            let s = Source::new(property, &TextureRef { is_inverted: true, ..TextureRef::new("a") }, &image);
+            assert_eq!(s.constant(), Some(s.value(s.texel(0, 0, 0))));
+            s.value(s.texel(0, 0, 0))
+        };
+        assert_eq!(read(Property::roughness, [0.25; 4], false), [0.75; 3]);
+        assert_eq!(read(Property::height, [3.0; 4], false), [-2.0; 3]);
+        assert!((read(Property::anisotropy_rotation, [0.375; 4], false)[0] - 0.125).abs() < 1e-6);
+        let decoded = read(Property::base_color, [0.0, 0.5, 1.0, 1.0], true);
+        assert!(decoded.iter().zip([1.0, 1.0 - 0.2158, 0.0]).all(|(a, b)| (a - b).abs() < 2e-3), "{decoded:?}");
+        // Only green of a direction, and what stands for texels without use stays as it is.
+        let normal = read(Property::normal, [0.8, 0.9, 0.5, 1.0], false);
+        assert!((normal[0] - 0.6).abs() < 1e-6 && (normal[1] + 0.8).abs() < 1e-6 && normal[2].abs() < 1e-6, "{normal:?}");
+        assert_eq!(read(Property::roughness, [f32::NAN; 4], false), [0.3; 3]);
+    }
+
+    #[test]
     fn images_are_averaged_once() {
         let image = Arc::new(Image { width: 4, height: 4, texels: vec![[0.5; 4]; 16], is_eight_bit: true });
         let mut sources = Sources::default();
@@ -378,6 +402,7 @@ mod tests {
         let first = get(Property::base_color, &|_| {});
         assert!(Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.uv_scale = [4.0, 4.0])));
         assert!(!Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.color_space = ColorSpace::Linear)));
+        assert!(!Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.is_inverted = true)));
         assert!(!Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.channel = Channel::A)));
         assert!(!Arc::ptr_eq(&first, &get(Property::roughness, &|_| {})));
         sources.drop_unused();

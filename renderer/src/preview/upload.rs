@@ -202,11 +202,15 @@ fn decode(texel: [f32; 4], property: Property, reference: &TextureRef, image: &I
         Channel::B => Some(linear(b)),
         Channel::A => Some(a),
     };
-    let color = picked.map_or_else(|| Vec3::new(linear(r), linear(g), linear(b)), Vec3::splat);
-    match def.default.kind() {
+    let color = picked.map_or_else(|| [linear(r), linear(g), linear(b)], |x| [x; 3]);
+    let kind = def.default.kind();
+    let color = Vec3::from(if reference.is_inverted { kind.inverted(color) } else { color });
+    match kind {
         Kind::Color => color,
         Kind::Normal => color * 2.0 - 1.0,
-        Kind::Float | Kind::Bool => Vec3::splat(picked.unwrap_or((color.x + color.y + color.z) / 3.0)),
+        // The mean of three equal numbers may round; a single channel is one number.
+        Kind::Float | Kind::Bool if picked.is_some() => color,
+        Kind::Float | Kind::Bool => Vec3::splat((color.x + color.y + color.z) / 3.0),
     }
 }
 
@@ -374,6 +378,21 @@ pub(super) fn chain(base: Level) -> Vec<Level> {
 mod tests {
     use super::*;
     use burnish_material::Material;
+
+    #[test]
+    fn inverted_texels_are_those_of_the_final_view() {
+        let image = Image { width: 1, height: 1, texels: vec![[0.2, 0.5, 0.8, 0.25]], is_eight_bit: true };
+        let read = |property, channel| {
+            let reference = TextureRef { is_inverted: true, channel, ..TextureRef::new("a") };
+            decode(image.texels[0], property, &reference, &image)
+        };
+        let is_near = |a: Vec3, b: [f32; 3]| assert!((a - Vec3::from(b)).abs().max_element() < 1e-5, "{a} and {b:?}");
+        is_near(read(Property::roughness, Channel::Rgb), [0.5; 3]);
+        is_near(read(Property::roughness, Channel::A), [0.75; 3]);
+        is_near(read(Property::normal, Channel::Rgb), [-0.6, 0.0, 0.6]);
+        let srgb = |x: f32| 1.0 - crate::tonemap::srgb_decode(x);
+        is_near(read(Property::base_color, Channel::Rgb), [srgb(0.2), srgb(0.5), srgb(0.8)]);
+    }
 
     #[test]
     fn rows_follow_the_table() {

@@ -87,6 +87,7 @@ fn texel_range(property: Property, reference: &TextureRef, image: &Image) -> [[f
             Channel::B => [b; 3],
             Channel::A => [texel[3]; 3],
         };
+        let value = if reference.is_inverted { default.kind().inverted(value) } else { value };
         for k in 0..3 {
             let x = if value[k].is_finite() { f64::from(value[k]) } else { stand_in[k] };
             range[0][k] = range[0][k].min(x);
@@ -94,4 +95,18 @@ fn texel_range(property: Property, reference: &TextureRef, image: &Image) -> [[f
         }
     }
     range.map(|end| std::array::from_fn(|k| if end[k].is_finite() { end[k] } else { stand_in[k] }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_of_inverted_images_are_turned_over() {
+        let image = Image { width: 2, height: 1, texels: vec![[0.25; 4], [0.875; 4]], is_eight_bit: false };
+        let of = |property, is_inverted| texel_range(property, &TextureRef { is_inverted, ..TextureRef::new("a") }, &image);
+        assert_eq!(of(Property::roughness, false), [[0.25; 3], [0.875; 3]]);
+        assert_eq!(of(Property::roughness, true), [[0.125; 3], [0.75; 3]]);
+        assert_eq!(of(Property::normal, true), [[0.25, 0.125, 0.25], [0.875, 0.75, 0.875]]);
+    }
 }
