@@ -6,7 +6,10 @@
 
 use crate::denoise;
 use crate::path::render::Run;
-use crate::path::{ErrorEstimate, ErrorPoint, Film, PassStats, Prepared, Settings, StopReason, render_pass};
+use crate::path::{
+    ErrorEstimate, ErrorPoint, Film, PassStats, Prepared, SampleCounts, SampleView, Settings, StopReason, render_pass,
+    sample_picture,
+};
 use crate::scene::Scene;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -53,13 +56,22 @@ pub struct Snapshot {
     pub samples: Option<Samples>,
 }
 
-/// What a denoiser works on.
+/// What a denoiser and pictures of the samples work on.
 #[derive(Clone, Debug)]
 pub struct Samples {
     /// The scene, for its guides.
     pub prepared: Arc<Prepared>,
     /// The replicates.
     pub input: Arc<denoise::Input>,
+    /// Samples of each pixel.
+    pub counts: SampleCounts,
+}
+
+impl Samples {
+    /// A picture of the samples, row by row from the top ([`sample_picture`]).
+    pub fn picture(&self, view: SampleView) -> Vec<[f32; 3]> {
+        sample_picture(view, &self.input, &self.counts.per_pixel())
+    }
 }
 
 /// A background renderer. Dropping it ends its thread.
@@ -227,7 +239,7 @@ impl Job<'_> {
                 error: run.error,
                 history: run.history.clone(),
                 first_image_seconds: first,
-                samples: if done.is_some() || run.film.spp().is_power_of_two() { self.samples(&run.film) } else { None },
+                samples: if done.is_some() || run.film.spp().is_power_of_two() { self.samples(&run) } else { None },
                 done,
                 ..self.snapshot(&run.film, &run.stats, run.seconds, run.samples_per_second())
             };
@@ -246,9 +258,9 @@ impl Job<'_> {
         render_pass(self.prepared, film, spp, self.settings.seed, self.shared.threads, &|| self.is_stale())
     }
 
-    fn samples(&self, film: &Film) -> Option<Samples> {
-        let input = Arc::new(denoise::Input::of(film)?);
-        Some(Samples { prepared: self.prepared.clone(), input })
+    fn samples(&self, run: &Run<'_>) -> Option<Samples> {
+        let input = Arc::new(denoise::Input::of(&run.film)?);
+        Some(Samples { prepared: self.prepared.clone(), input, counts: run.counts() })
     }
 
     fn publish(&self, snapshot: Snapshot) -> Option<()> {
@@ -340,6 +352,10 @@ mod tests {
         assert_eq!((done.done, done.spp, done.scale, done.width, done.height), (Some(StopReason::Spp), 8, 1, 200, 150));
         assert!(done.pixels.iter().all(|p| (p[0] - 3.0).abs() < 1e-5 && p[3] == 0.0));
         assert!(!done.history.is_empty() && done.first_image_seconds > 0.0);
+        let samples = done.samples.as_ref().expect("a finished picture has samples");
+        assert!(samples.counts.per_pixel() == vec![8; 200 * 150]);
+        let even = |view| samples.picture(view).windows(2).all(|pair| pair[0] == pair[1]);
+        assert!(even(SampleView::Count) && even(SampleView::Error), "an even picture");
         assert!(images.load(Ordering::SeqCst) >= 4, "coarse pictures, passes, the end");
         std::thread::sleep(Duration::from_millis(20));
         assert_eq!(worker.snapshot().map(|s| s.revision), Some(last));

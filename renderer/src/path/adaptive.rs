@@ -8,6 +8,7 @@ use super::estimate::{EPSILON, variance_of_mean};
 use super::film::Film;
 use super::sampler::mix;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Samples per pixel at the first decision; each further one comes at four times the samples.
 const FIRST: u32 = 16;
@@ -87,6 +88,29 @@ impl Allocation {
             least + more as u32
         };
         self.levels.iter().zip(&self.base).map(next).collect()
+    }
+}
+
+/// How many samples each pixel of a picture holds: worked out when it is asked for.
+#[derive(Clone, Debug)]
+pub struct SampleCounts {
+    allocation: Option<Arc<Allocation>>,
+    pixels: usize,
+    total: u64,
+}
+
+impl SampleCounts {
+    /// Those of a film in which every pixel holds samples, filled evenly up to the allocation and by it from there.
+    pub(super) fn new(film: &Film, allocation: Option<&Arc<Allocation>>) -> Self {
+        Self { allocation: allocation.cloned(), pixels: film.pixels(), total: film.total_samples() }
+    }
+
+    /// Samples of each pixel, row by row from the top.
+    pub fn per_pixel(&self) -> Vec<u32> {
+        match &self.allocation {
+            Some(allocation) => allocation.counts(self.total),
+            None => vec![(self.total / self.pixels.max(1) as u64) as u32; self.pixels],
+        }
     }
 }
 

@@ -118,9 +118,7 @@ impl Film {
     /// Share of each replicate in the mean of a pixel: they sum to 1 and are equal where the number of samples is a multiple of
     /// [`REPLICATES`]. Zeros without samples.
     pub(super) fn weights(&self, pixel: usize) -> [f64; REPLICATES] {
-        let count = self.cells[pixel].count;
-        let scale = 1.0 / f64::from(count.max(1));
-        std::array::from_fn(|r| replicate_count(count, r) * scale)
+        replicate_weights(self.cells[pixel].count)
     }
 
     /// The pixel whose samples stand for this one: itself as soon as it has any, before that one above and to the left.
@@ -244,6 +242,12 @@ pub(super) const LATTICE: usize = 32;
 /// Samples of one replicate of a pixel that holds `count`.
 fn replicate_count(count: u32, replicate: usize) -> f64 {
     f64::from((count + (REPLICATES - 1 - replicate) as u32) / REPLICATES as u32)
+}
+
+/// Share of each replicate in the mean of a pixel that holds `count` samples.
+pub(super) fn replicate_weights(count: u32) -> [f64; REPLICATES] {
+    let scale = 1.0 / f64::from(count.max(1));
+    std::array::from_fn(|r| replicate_count(count, r) * scale)
 }
 
 /// All pixels, square by square and within a square along a Z-order curve: any run of them is compact.

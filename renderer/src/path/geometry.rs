@@ -186,6 +186,11 @@ impl Geometry {
         ((p.as_dvec3() - self.center) * self.scale).as_vec3()
     }
 
+    /// A point in normalised units in the scene.
+    pub(super) fn in_scene(&self, p: DVec3) -> DVec3 {
+        p / self.scale + self.center
+    }
+
     /// Distances inside of an object; none for an object that is not there or has no extent.
     pub(super) fn field(&self, object: u32) -> Option<&Field> {
         let made = self.fields.get(object as usize)?.get_or_init(|| {

@@ -135,6 +135,11 @@ impl Surface {
         Arc::ptr_eq(&self.material, &object.material) && Arc::ptr_eq(&self.images, &object.textures)
     }
 
+    /// Name of the material.
+    pub(super) fn name(&self) -> &str {
+        &self.material.name
+    }
+
     /// Whether rays may pass straight through.
     pub(super) fn has_cut_through(&self) -> bool {
         self.lobes.has(Lobe::opacity)

@@ -10,7 +10,7 @@
 //!   rendered in two steps. A render with no other rule ends at [`SPP_MAX`] at the latest.
 
 use super::PassStats;
-use super::adaptive::{Allocation, is_decision, next_decision};
+use super::adaptive::{Allocation, SampleCounts, is_decision, next_decision};
 use super::convergence::ErrorPoint;
 use super::estimate::ErrorEstimate;
 use super::film::{Film, LATTICE, Quota, REPLICATES};
@@ -18,6 +18,7 @@ use super::prepared::Prepared;
 use super::schedule::render_quotas;
 use crate::scene::Scene;
 use burnish_material::LobeSet;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Samples per pixel after which a render ends in any case.
@@ -230,7 +231,7 @@ pub(crate) struct Run<'a> {
     prepared: &'a Prepared,
     settings: Settings,
     plan: Plan,
-    allocation: Option<Allocation>,
+    allocation: Option<Arc<Allocation>>,
     /// The picture.
     pub film: Film,
     /// What was done.
@@ -318,7 +319,7 @@ impl<'a> Run<'a> {
             return Ok(self.film.evenly(step));
         }
         if is_decision(spp) {
-            self.allocation = Some(Allocation::new(&self.film));
+            self.allocation = Some(Arc::new(Allocation::new(&self.film)));
         }
         let goal = (spp + step).min(next_decision(spp));
         Ok(match &self.allocation {
@@ -363,6 +364,11 @@ impl<'a> Run<'a> {
         self.history.extend(self.error.map(point));
         self.estimated = (samples, begin.elapsed().as_secs_f64());
         self.seconds += self.estimated.1;
+    }
+
+    /// Samples of each pixel; right once every pixel has some.
+    pub(crate) fn counts(&self) -> SampleCounts {
+        SampleCounts::new(&self.film, self.allocation.as_ref())
     }
 
     /// Paths per second so far.
@@ -436,6 +442,20 @@ mod tests {
     fn samples_are_exact_and_double() {
         let stop = StopRules { spp: Some(100), ..StopRules::default() };
         assert_eq!(totals(stop, 1e-6, |_| None), (vec![1, 4, 8, 16, 32, 64, 100], StopReason::Spp));
+    }
+
+    #[test]
+    fn counts_worked_out_later_are_those_of_the_film() {
+        let prepared = Prepared::new(&mixed(), None);
+        let stop = StopRules { spp: Some(100), ..StopRules::default() };
+        for is_adaptive in [false, true] {
+            let mut run = Run::new(&prepared, Settings { width: 24, height: 16, seed: 5, threads: 2, stop, is_adaptive });
+            while run.step(&|| false).is_ok() {
+                assert!(run.counts().per_pixel() == run.film.samples(), "{is_adaptive}: {}", run.film.spp());
+            }
+            let counts = run.counts().per_pixel();
+            assert_eq!((counts.iter().sum::<u32>(), counts.iter().min() < counts.iter().max()), (24 * 16 * 100, is_adaptive));
+        }
     }
 
     #[test]

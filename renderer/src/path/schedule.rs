@@ -200,18 +200,9 @@ fn run_batch(prepared: &Prepared, view: &View, tile: Tile<'_>, seed: u64, batch:
         if batch.active.is_empty() {
             break;
         }
-        batch.shadows.clear();
-        trace(prepared, batch, vertex, stats);
-        let Batch { paths, active, next, lists, missed, shadows, .. } = &mut *batch;
-        if !missed.is_empty() {
-            dispatch(Miss { prepared, list: missed, paths, stats });
-        }
-        next.clear();
-        for (surface, list) in prepared.surfaces.iter().zip(lists.iter()) {
-            if !list.is_empty() {
-                dispatch(Shade { prepared, surface, list, vertex, paths, next, shadows, stats });
-            }
-        }
+        meet(prepared, batch, vertex, stats);
+        shade(prepared, batch, vertex, stats);
+        let Batch { paths, active, next, shadows, .. } = &mut *batch;
         if !shadows.rays.is_empty() {
             trace_shadows(prepared, shadows);
             accumulate(paths, shadows, stats);
@@ -219,4 +210,25 @@ fn run_batch(prepared: &Prepared, view: &View, tile: Tile<'_>, seed: u64, batch:
         std::mem::swap(active, next);
     }
     batch.paths.fold_branches();
+}
+
+/// First part of a depth: the active paths go to what they meet next; those that leave the scene find the environment there.
+pub(super) fn meet(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: &mut PassStats) {
+    batch.shadows.clear();
+    trace(prepared, batch, vertex, stats);
+    let Batch { paths, missed, .. } = &mut *batch;
+    if !missed.is_empty() {
+        dispatch(Miss { prepared, list: missed, paths, stats });
+    }
+}
+
+/// Second part: what happens there. Connections to the light are left in `shadows`, the paths that go on in `next`.
+pub(super) fn shade(prepared: &Prepared, batch: &mut Batch, vertex: u32, stats: &mut PassStats) {
+    let Batch { paths, next, lists, shadows, .. } = &mut *batch;
+    next.clear();
+    for (surface, list) in prepared.surfaces.iter().zip(lists.iter()) {
+        if !list.is_empty() {
+            dispatch(Shade { prepared, surface, list, vertex, paths, next, shadows, stats });
+        }
+    }
 }
