@@ -1,67 +1,8 @@
-//! Every named action: its text, tooltip and shortcut in one list, which menu, keys and buttons read.
+//! Every named action: its text, tooltip, menu and keys in one table, which menus, keys, the palette and the list of keys read.
 //!
-//! What a command does is one `match`, in `app.rs`.
+//! What a command does is one `match`, in `app/actions.rs`. Which keys it has for this user is in `keymap.rs`.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
-
-/// A named action.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Command {
-    /// A new material.
-    New,
-    /// Open a material file.
-    Open,
-    /// Save to the same file.
-    Save,
-    /// Save to another file.
-    SaveAs,
-    /// Load a mesh.
-    LoadModel,
-    /// Load an environment map.
-    LoadEnvironment,
-    /// Write the picture as PNG.
-    SavePng,
-    /// Write the picture as EXR.
-    SaveExr,
-    /// Close the window.
-    Quit,
-    /// Take one step back.
-    Undo,
-    /// Make one step again.
-    Redo,
-    /// All properties to their defaults.
-    ResetAll,
-    /// Switch between preview and final view.
-    ToggleFinal,
-    /// Show the preview alone.
-    ShowPreview,
-    /// Show the final view alone.
-    ShowFinal,
-    /// Show both side by side.
-    ShowBoth,
-    /// Show both in one picture, with a line between them.
-    ShowWipe,
-    /// Show how far both are apart.
-    ShowDifference,
-    /// Fill the picture with the object.
-    Frame,
-    /// Camera, light and exposure as at first.
-    ResetView,
-    /// One third of a stop brighter.
-    ExposureUp,
-    /// One third of a stop darker.
-    ExposureDown,
-    /// Show the final view denoised or raw.
-    ToggleDenoise,
-    /// Switches the preview's bloom on or off.
-    ToggleBloom,
-    /// Show or hide the side panels.
-    TogglePanels,
-    /// Show or hide the error chart.
-    ToggleChart,
-    /// Shows or hides the stability report.
-    ToggleStability,
-}
 
 /// A menu of the menu bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,215 +13,135 @@ pub enum Menu {
     Edit,
     /// How it is looked at.
     View,
+    /// Parts of the window.
+    Window,
+    /// How to find one's way.
+    Help,
 }
 
 impl Menu {
     /// All menus with their titles.
-    pub const ALL: [(Self, &'static str); 3] = [(Self::File, "File"), (Self::Edit, "Edit"), (Self::View, "View")];
+    pub const ALL: [(Self, &'static str); 5] =
+        [(Self::File, "File"), (Self::Edit, "Edit"), (Self::View, "View"), (Self::Window, "Window"), (Self::Help, "Help")];
 }
 
+/// One row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct CommandDef {
+    /// Which one.
+    pub command: Command,
+    /// Its name in stored key settings; never changed.
+    pub id: &'static str,
+    /// Where the menu bar lists it.
+    pub menu: Menu,
+    /// Whether a line in the menu comes before it.
+    pub starts_section: bool,
+    /// What the menu says.
+    pub text: &'static str,
+    /// One sentence of what it does.
+    pub tooltip: &'static str,
+    /// Its keys unless the user chose others, the one that menus show first.
+    pub keys: &'static [KeyboardShortcut],
+}
+
+macro_rules! commands {
+    ($( $name:ident, $id:literal, $menu:ident, $section:literal, $text:literal, $tooltip:literal, [$( $modifiers:ident $key:ident ),*]; )+) => {
+        /// A named action.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Command { $( #[doc = $tooltip] $name ),+ }
+
+        /// All commands in menu order; row number is `Command as usize`.
+        pub const COMMANDS: &[CommandDef] = &[$( CommandDef {
+            command: Command::$name, id: $id, menu: Menu::$menu, starts_section: $section, text: $text, tooltip: $tooltip,
+            keys: &[$( KeyboardShortcut::new($modifiers, Key::$key) ),*],
+        } ),+];
+    };
+}
+
+const NONE: Modifiers = Modifiers::NONE;
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
+commands! {
+    New, "file.new", File, false, "New", "A material with every property at its default, in a tab of its own.", [CTRL N];
+    Open, "file.open", File, false, "Open…", "Open a material file in a tab of its own.", [CTRL O];
+    OpenRecent, "file.recent", File, false, "Open recent…", "Choose among the files that were open lately.", [CTRL R];
+    Save, "file.save", File, true, "Save", "Write the changed values into the file; everything else in it stays as it is.", [CTRL S];
+    SaveAs, "file.save_as", File, false, "Save as…", "Save to another file.", [CTRL_SHIFT S];
+    CloseTab, "file.close", File, false, "Close", "Close this material; asks if it has unsaved changes.", [CTRL W];
+    LoadModel, "file.mesh", File, true, "Load mesh…", "Show the material on a mesh from a .gltf, .glb or .ply file.", [];
+    LoadEnvironment, "file.environment", File, false, "Load environment…", "Light the scene with an .hdr or .exr file.", [];
+    LoadTextureSet, "file.texture_set", File, false, "Load texture set…", "Choose a folder of images; they are matched to properties by their names.", [];
+    LoadReference, "file.reference", File, false, "Load reference image…", "Show a photo beside the view, to look at and to pick colours from.", [];
+    SavePng, "file.png", File, true, "Save picture as PNG…", "Display-referred sRGB: exposure and display transform are applied.", [NONE P, CTRL P];
+    SaveExr, "file.exr", File, false, "Save picture as EXR…", "Linear Rec.709 radiance: neither exposure nor display transform is applied.", [CTRL_SHIFT P];
+    Preferences, "file.preferences", File, true, "Preferences…", "Units, threads, default scene, autosave, mouse, theme and keys.", [CTRL Comma];
+    Quit, "file.quit", File, true, "Quit", "Close the window; asks for each material with unsaved changes.", [CTRL Q];
+
+    Undo, "edit.undo", Edit, false, "Undo", "Take the last step back.", [CTRL Z];
+    Redo, "edit.redo", Edit, false, "Redo", "Make the step again that was taken back.", [CTRL_SHIFT Z, CTRL Y];
+    ResetAll, "edit.reset_all", Edit, true, "Reset all properties", "All properties to their defaults, as one step.", [];
+    StoreSide, "edit.store_side", Edit, true, "Store as side A", "Keep this state as the other side, to compare with what comes.", [NONE A];
+    FlipSides, "edit.flip_sides", Edit, false, "Flip sides", "Exchange this state and the stored one.", [NONE B];
+
+    ToggleFinal, "view.toggle_final", View, false, "Switch preview / final", "Switch between the preview and the final view.", [NONE Backslash];
+    ShowPreview, "view.preview", View, false, "Preview", "The GPU's picture alone, at once.", [NONE Num1];
+    ShowFinal, "view.final", View, false, "Final", "The path tracer's picture alone, which sharpens with time.", [NONE Num2];
+    ShowBoth, "view.both", View, false, "Both side by side", "Two pictures beside each other.", [NONE Num3];
+    ShowWipe, "view.wipe", View, false, "Wipe", "Two pictures in one, with a line between them to drag.", [NONE Num4];
+    ShowDifference, "view.difference", View, false, "Difference", "How far preview and final view are apart, pixel by pixel (FLIP).", [NONE Num5];
+    CompareSides, "view.sides", View, false, "Compare sides A and B", "Show side A instead of the final view beside, or behind the line of, this state.", [NONE S];
+    Frame, "view.frame", View, true, "Frame object", "Fill the picture with the object; angles stay.", [NONE F];
+    ResetView, "view.reset", View, false, "Reset view", "Camera, light and exposure as at first.", [NONE R];
+    BookmarkCamera, "view.bookmark", View, false, "Bookmark camera", "Keep this point of view, to come back to.", [CTRL D];
+    NextBookmark, "view.next_bookmark", View, false, "Next camera bookmark", "Go to the next kept point of view.", [NONE V];
+    NextMesh, "view.next_mesh", View, false, "Next mesh", "Show the material on the next built-in mesh.", [NONE ArrowDown];
+    PreviousMesh, "view.previous_mesh", View, false, "Previous mesh", "Show the material on the built-in mesh before.", [NONE ArrowUp];
+    NextEnvironment, "view.next_environment", View, false, "Next environment", "Light the scene with the next built-in environment.", [NONE E];
+    ExposureUp, "view.brighter", View, true, "Brighter", "One third of a stop more exposure.", [NONE CloseBracket];
+    ExposureDown, "view.darker", View, false, "Darker", "One third of a stop less exposure.", [NONE OpenBracket];
+    ToggleDenoise, "view.denoise", View, true, "Denoise final view", "Show the final view denoised; the raw picture is kept, and the label says which is shown.", [NONE D];
+    ToggleBloom, "view.bloom", View, false, "Bloom", "Let what is very bright glow; only where the preview stands alone.", [];
+    NextDebug, "view.next_debug", View, false, "Next debug view", "Albedo, normal, lobes and others in turn; then the material again.", [NONE C];
+    ShowMaterial, "view.material", View, false, "Back to the material", "Ends debug views.", [NONE M];
+    ExplainPixel, "view.explain", View, false, "Explain a pixel", "Click into the view to see which lobe contributes what there.", [NONE X];
+
+    TogglePanels, "window.panels", Window, false, "Hide panels", "Nothing but the view; again for the panels.", [NONE H];
+    Fullscreen, "window.fullscreen", Window, false, "Full screen", "The window over the whole screen, or back.", [NONE F11];
+    NextTab, "window.next_tab", Window, true, "Next material", "Bring the next open material to the front.", [CTRL PageDown];
+    PreviousTab, "window.previous_tab", Window, false, "Previous material", "Bring the open material before to the front.", [CTRL PageUp];
+    ToggleLibrary, "window.library", Window, true, "Presets", "Show or hide the presets.", [];
+    ToggleProperties, "window.properties", Window, false, "Properties", "Show or hide the properties.", [];
+    ToggleLobes, "window.lobes", Window, false, "Lobes", "Show or hide which lobes are in use, and what they cost.", [NONE L];
+    ToggleChart, "window.chart", Window, false, "Convergence", "Show or hide the curve of the error over time.", [NONE G];
+    ToggleStability, "window.stability", Window, false, "Stability", "Probe the material at extremes: non-finite values, lost or gained light, time.", [NONE T];
+    ToggleHistory, "window.history", Window, false, "History", "Show or hide the list of steps.", [NONE Y];
+    ToggleMessages, "window.messages", Window, false, "Messages", "Show or hide everything that was said.", [];
+    ResetLayout, "window.reset_layout", Window, true, "Reset layout", "All panels to their places.", [];
+
+    Palette, "help.palette", Help, false, "Find a command…", "Type a few letters of a command, property or preset.", [CTRL K];
+    Help, "help.keys", Help, false, "Keys and mouse", "All keys; over a property its reference instead.", [NONE F1];
+}
+
 impl Command {
-    /// All commands in menu order.
-    pub const ALL: [Self; 27] = [
-        Self::New,
-        Self::Open,
-        Self::Save,
-        Self::SaveAs,
-        Self::LoadModel,
-        Self::LoadEnvironment,
-        Self::SavePng,
-        Self::SaveExr,
-        Self::Quit,
-        Self::Undo,
-        Self::Redo,
-        Self::ResetAll,
-        Self::ToggleFinal,
-        Self::ShowPreview,
-        Self::ShowFinal,
-        Self::ShowBoth,
-        Self::ShowWipe,
-        Self::ShowDifference,
-        Self::Frame,
-        Self::ResetView,
-        Self::ExposureUp,
-        Self::ExposureDown,
-        Self::ToggleDenoise,
-        Self::ToggleBloom,
-        Self::TogglePanels,
-        Self::ToggleChart,
-        Self::ToggleStability,
-    ];
+    /// Its row of the table.
+    pub fn def(self) -> &'static CommandDef {
+        &COMMANDS[self as usize]
+    }
 
     /// What the menu says.
     pub fn text(self) -> &'static str {
-        match self {
-            Self::New => "New",
-            Self::Open => "Open…",
-            Self::Save => "Save",
-            Self::SaveAs => "Save as…",
-            Self::LoadModel => "Load mesh…",
-            Self::LoadEnvironment => "Load environment…",
-            Self::SavePng => "Save picture as PNG…",
-            Self::SaveExr => "Save picture as EXR…",
-            Self::Quit => "Quit",
-            Self::Undo => "Undo",
-            Self::Redo => "Redo",
-            Self::ResetAll => "Reset all properties",
-            Self::ToggleFinal => "Switch preview / final",
-            Self::ShowPreview => "Preview",
-            Self::ShowFinal => "Final",
-            Self::ShowBoth => "Both side by side",
-            Self::ShowWipe => "Wipe",
-            Self::ShowDifference => "Difference",
-            Self::Frame => "Frame object",
-            Self::ResetView => "Reset view",
-            Self::ExposureUp => "Brighter",
-            Self::ExposureDown => "Darker",
-            Self::ToggleDenoise => "Denoise final view",
-            Self::ToggleBloom => "Bloom in preview",
-            Self::TogglePanels => "Side panels",
-            Self::ToggleChart => "Error chart",
-            Self::ToggleStability => "Stability report",
-        }
+        self.def().text
     }
 
-    /// One sentence more.
+    /// One sentence of what it does.
     pub fn tooltip(self) -> &'static str {
-        match self {
-            Self::New => "Start a new material with every property at its default.",
-            Self::Open => "Open a material file (.asm.ron).",
-            Self::Save => "Write the changed values into the file; everything else in it stays as it is.",
-            Self::SaveAs => "Write the material to another file.",
-            Self::LoadModel => "Show the material on a mesh of your own (.gltf, .glb, .ply).",
-            Self::LoadEnvironment => "Light the scene with a map of your own (.hdr, .exr).",
-            Self::SavePng => "Display-referred sRGB: exposure and display transform are applied.",
-            Self::SaveExr => "Linear Rec.709 radiance: neither exposure nor display transform is applied.",
-            Self::Quit => "Close the window; asks first if there are unsaved changes.",
-            Self::Undo => "Take back the last step.",
-            Self::Redo => "Make the step again that was taken back.",
-            Self::ResetAll => "Set every property back to its default, as one step.",
-            Self::ToggleFinal => "Switch between the fast preview and the path-traced final view.",
-            Self::ShowPreview => "The GPU's picture, at once.",
-            Self::ShowFinal => "The path tracer's picture, which sharpens with time.",
-            Self::ShowBoth => "Preview on the left, final view on the right.",
-            Self::ShowWipe => "Preview left of a line that can be dragged, final view right of it.",
-            Self::ShowDifference => "How far preview and final view are apart, pixel by pixel, as an eye would see it (FLIP).",
-            Self::Frame => "Move the camera so that the object fills the picture.",
-            Self::ResetView => "Camera, environment rotation and exposure as at first.",
-            Self::ExposureUp => "A third of a stop more exposure.",
-            Self::ExposureDown => "A third of a stop less exposure.",
-            Self::ToggleBloom => {
-                "Let what is brighter than white spread around, as a lens does; only where the preview stands alone."
-            }
-            Self::ToggleDenoise => "Show the final view denoised, labelled, with an error of its own; the raw picture is kept.",
-            Self::TogglePanels => "Show or hide the presets and the properties.",
-            Self::ToggleChart => "Show or hide the estimated error over time.",
-            Self::ToggleStability => "Probe the material at extremes: non-finite values, lost or gained light, time.",
-        }
+        self.def().tooltip
     }
 
-    /// The keys, first the one the menu shows.
-    pub fn shortcuts(self) -> &'static [KeyboardShortcut] {
-        const fn keys(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
-            KeyboardShortcut::new(modifiers, key)
-        }
-        match self {
-            Self::New => const { &[keys(CTRL, Key::N)] },
-            Self::Open => const { &[keys(CTRL, Key::O)] },
-            Self::Save => const { &[keys(CTRL, Key::S)] },
-            Self::SaveAs => const { &[keys(CTRL_SHIFT, Key::S)] },
-            Self::SavePng => const { &[keys(CTRL, Key::P)] },
-            Self::SaveExr => const { &[keys(CTRL_SHIFT, Key::P)] },
-            Self::Quit => const { &[keys(CTRL, Key::Q)] },
-            Self::Undo => const { &[keys(CTRL, Key::Z)] },
-            Self::Redo => const { &[keys(CTRL_SHIFT, Key::Z), keys(CTRL, Key::Y)] },
-            Self::ToggleFinal => const { &[keys(Modifiers::NONE, Key::Backslash)] },
-            Self::ShowPreview => const { &[keys(Modifiers::NONE, Key::Num1)] },
-            Self::ShowFinal => const { &[keys(Modifiers::NONE, Key::Num2)] },
-            Self::ShowBoth => const { &[keys(Modifiers::NONE, Key::Num3)] },
-            Self::ShowWipe => const { &[keys(Modifiers::NONE, Key::Num4)] },
-            Self::ShowDifference => const { &[keys(Modifiers::NONE, Key::Num5)] },
-            Self::Frame => const { &[keys(Modifiers::NONE, Key::F)] },
-            Self::ResetView => const { &[keys(Modifiers::NONE, Key::R)] },
-            Self::ExposureUp => const { &[keys(Modifiers::NONE, Key::CloseBracket)] },
-            Self::ExposureDown => const { &[keys(Modifiers::NONE, Key::OpenBracket)] },
-            Self::ToggleBloom => &[],
-            Self::ToggleDenoise => const { &[keys(Modifiers::NONE, Key::D)] },
-            Self::TogglePanels => const { &[keys(Modifiers::NONE, Key::H)] },
-            Self::ToggleChart => const { &[keys(Modifiers::NONE, Key::G)] },
-            Self::ToggleStability => const { &[keys(Modifiers::NONE, Key::T)] },
-            Self::LoadModel | Self::LoadEnvironment | Self::ResetAll => &[],
-        }
-    }
-
-    /// Where the menu bar lists it.
-    pub fn menu(self) -> Menu {
-        match self {
-            Self::New
-            | Self::Open
-            | Self::Save
-            | Self::SaveAs
-            | Self::LoadModel
-            | Self::LoadEnvironment
-            | Self::SavePng
-            | Self::SaveExr
-            | Self::Quit => Menu::File,
-            Self::Undo | Self::Redo | Self::ResetAll => Menu::Edit,
-            Self::ToggleFinal
-            | Self::ShowPreview
-            | Self::ShowFinal
-            | Self::ShowBoth
-            | Self::ShowWipe
-            | Self::ShowDifference
-            | Self::Frame
-            | Self::ResetView
-            | Self::ExposureUp
-            | Self::ExposureDown
-            | Self::ToggleDenoise
-            | Self::ToggleBloom
-            | Self::TogglePanels
-            | Self::ToggleChart
-            | Self::ToggleStability => Menu::View,
-        }
-    }
-
-    /// Whether a line in the menu comes before it.
-    pub fn starts_section(self) -> bool {
-        matches!(
-            self,
-            Self::LoadModel
-                | Self::SavePng
-                | Self::Quit
-                | Self::ResetAll
-                | Self::Frame
-                | Self::ExposureUp
-                | Self::ToggleDenoise
-                | Self::TogglePanels
-        )
-    }
-
-    /// Whether a text field has its own meaning for the keys: undo there takes back typing.
-    fn is_own_to_text_fields(self) -> bool {
-        matches!(self, Self::Undo | Self::Redo)
-    }
-
-    /// The commands whose keys were pressed. Keys that type or move a cursor are left to a text field that has the focus.
-    pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
-        let is_typing = ctx.text_edit_focused();
-        ctx.input_mut(|input| {
-            // Longer shortcuts first: Ctrl+Shift+Z also contains Ctrl+Z.
-            let mut keys: Vec<(Self, &KeyboardShortcut)> =
-                Self::ALL.iter().flat_map(|&command| command.shortcuts().iter().map(move |keys| (command, keys))).collect();
-            keys.sort_by_key(|(_, keys)| std::cmp::Reverse(u8::from(keys.modifiers.shift) + u8::from(keys.modifiers.command)));
-            keys.into_iter()
-                .filter(|(command, keys)| !is_typing || !(keys.conflicts_with_text_editing() || command.is_own_to_text_fields()))
-                .filter(|(_, keys)| input.consume_shortcut(keys))
-                .map(|(command, _)| command)
-                .collect()
-        })
+    /// The command of this name in stored settings.
+    pub fn from_id(id: &str) -> Option<Self> {
+        COMMANDS.iter().find(|def| def.id == id).map(|def| def.command)
     }
 }
 
@@ -291,30 +152,16 @@ mod tests {
 
     #[test]
     fn every_command_has_words_and_keys_of_its_own() {
-        let mut texts = HashSet::new();
-        let mut keys = HashSet::new();
-        for command in Command::ALL {
-            assert!(texts.insert(command.text()), "{command:?}");
-            assert!(command.tooltip().ends_with('.'), "{command:?}");
-            for shortcut in command.shortcuts() {
-                assert!(keys.insert(*shortcut), "{command:?}");
+        let (mut texts, mut ids, mut keys) = (HashSet::new(), HashSet::new(), HashSet::new());
+        for (index, def) in COMMANDS.iter().enumerate() {
+            assert_eq!(def.command as usize, index);
+            assert!(texts.insert(def.text), "{}", def.text);
+            assert!(ids.insert(def.id), "{}", def.id);
+            assert!(def.tooltip.ends_with('.'), "{}", def.id);
+            for shortcut in def.keys {
+                assert!(keys.insert(*shortcut), "{}", def.id);
             }
-        }
-        assert_eq!(texts.len(), Command::ALL.len());
-    }
-
-    #[test]
-    fn the_longer_shortcut_wins() {
-        let ctx = egui::Context::default();
-        let event = |modifiers| egui::Event::Key { key: Key::Z, physical_key: None, pressed: true, repeat: false, modifiers };
-        for (modifiers, command) in [(CTRL_SHIFT, Command::Redo), (CTRL, Command::Undo)] {
-            let modifiers = Modifiers { ctrl: modifiers.command, ..modifiers };
-            let input = egui::RawInput { events: vec![event(modifiers)], ..Default::default() };
-            let mut pressed = Vec::new();
-            let mut output = ctx.run_ui(input, |ui| pressed.extend(Command::pressed(ui.ctx())));
-            // Nothing is drawn here, so the font's texture is dropped on purpose.
-            output.textures_delta.clear();
-            assert_eq!(pressed, [command]);
+            assert_eq!(Command::from_id(def.id), Some(def.command));
         }
     }
 }

@@ -20,6 +20,10 @@ pub enum Purpose {
     LoadEnvironment,
     /// An image for a property.
     LoadTexture(Property),
+    /// A folder of images for many properties.
+    LoadTextureSet,
+    /// A photo to look at.
+    LoadReference,
     /// Where to write the picture, display-referred.
     SavePng,
     /// Where to write the picture, linear.
@@ -34,6 +38,8 @@ impl Purpose {
             Self::LoadModel => "Load mesh".into(),
             Self::LoadEnvironment => "Load environment".into(),
             Self::LoadTexture(property) => format!("Choose a map for {}", property.def().label),
+            Self::LoadTextureSet => "Choose the folder of a texture set".into(),
+            Self::LoadReference => "Load reference image".into(),
             Self::SavePng | Self::SaveExr => "Save picture".into(),
         }
     }
@@ -43,7 +49,7 @@ impl Purpose {
             Self::OpenMaterial | Self::SaveMaterial => ("Material", &["ron"]),
             Self::LoadModel => ("Mesh", &["gltf", "glb", "ply"]),
             Self::LoadEnvironment => ("Environment", &["hdr", "exr"]),
-            Self::LoadTexture(_) => ("Image", &["png", "jpg", "jpeg", "exr", "hdr"]),
+            Self::LoadTexture(_) | Self::LoadTextureSet | Self::LoadReference => ("Image", &["png", "jpg", "jpeg", "exr", "hdr"]),
             Self::SavePng => ("PNG", &["png"]),
             Self::SaveExr => ("OpenEXR", &["exr"]),
         }
@@ -108,6 +114,9 @@ impl Dialogs for SystemDialogs {
         };
         if purpose.is_saving() {
             let future = dialog.save_file();
+            std::thread::spawn(move || wait(pollster::block_on(future)));
+        } else if purpose == Purpose::LoadTextureSet {
+            let future = dialog.pick_folder();
             std::thread::spawn(move || wait(pollster::block_on(future)));
         } else {
             let future = dialog.pick_file();

@@ -58,9 +58,19 @@ impl Document {
         next
     }
 
+    /// A document that was being edited when its program ended: what it held then, over what its file held.
+    pub fn recovered(original: MaterialFile, path: Option<PathBuf>, material: Material, textures: Arc<TextureSet>) -> Self {
+        Self { material, ..Self::with_origin(original, path, textures) }
+    }
+
     /// The file with its text as opened.
     pub fn file(&self) -> &MaterialFile {
         &self.origin.file
+    }
+
+    /// The same, to be kept while the material is edited.
+    pub fn file_shared(&self) -> Arc<MaterialFile> {
+        self.origin.file.clone()
     }
 
     /// The file as the disk holds it.
@@ -258,11 +268,11 @@ pub struct View {
     pub is_bloom_on: bool,
     /// Whether the final view is shown denoised.
     pub is_denoise_on: bool,
-    /// Whether the error-over-time chart is shown with the final view.
-    pub is_chart_shown: bool,
-    /// Whether the stability report is made and shown.
-    pub is_stability_shown: bool,
-    /// Whether the side panels are shown.
+    /// Whether two pictures are the two sides, and not the two renderers.
+    pub compares_sides: bool,
+    /// Points of view to come back to.
+    pub bookmarks: Vec<Orbit>,
+    /// Whether anything but the view is shown.
     pub are_panels_shown: bool,
 }
 
@@ -278,8 +288,8 @@ impl Default for View {
             stop: StopRules { spp: Some(4096), seconds: None, relmse: Some(0.005 * 0.005) },
             is_bloom_on: false,
             is_denoise_on: false,
-            is_chart_shown: true,
-            is_stability_shown: false,
+            compares_sides: false,
+            bookmarks: Vec::new(),
             are_panels_shown: true,
         }
     }
@@ -306,11 +316,15 @@ impl Editor {
 
     /// The scene that both renderers draw, for pictures of this aspect; `None` while a part of it is being made.
     pub fn scene(&self, aspect: f32) -> Option<Scene> {
+        self.scene_of(Arc::new(self.document.material.clone()), self.document.textures.clone(), aspect)
+    }
+
+    /// The same with another material.
+    pub fn scene_of(&self, material: Arc<Material>, textures: Arc<TextureSet>, aspect: f32) -> Option<Scene> {
         let model = self.model.as_ref()?;
         let environment =
             EnvironmentLight { map: self.environment.clone()?, rotation_deg: self.view.environment_deg, scale: 1.0 };
-        let material = Arc::new(self.document.material.clone());
-        let mut scene = Scene::of_model(model, material, self.document.textures.clone(), environment, model.unit_mm);
+        let mut scene = Scene::of_model(model, material, textures, environment, model.unit_mm);
         scene.camera = self.view.orbit.camera(aspect);
         Some(scene)
     }

@@ -1,18 +1,37 @@
 //! Undo and redo: whole documents, one step per gesture, named by what differs.
 //!
-//! A material is a few kilobytes, so a step stores all of it and nothing needs an inverse.
+//! A material is a few kilobytes, so a step stores all of it and nothing needs an inverse. Images are shared between steps.
 
 use crate::editor::Document;
 use burnish_material::{Material, PROPERTIES, Property, Slot, Value};
 
-/// Steps kept; older ones are forgotten.
-const MAX_STEPS: usize = 500;
+/// Memory that the steps of one document may take; the oldest are forgotten first. Thousands of steps fit.
+const MAX_BYTES: usize = 64 << 20;
 
 /// One state of the document and what led to it.
 #[derive(Clone, Debug)]
 struct Step {
     label: String,
     document: Document,
+    bytes: usize,
+}
+
+impl Step {
+    fn new(label: String, document: Document) -> Self {
+        let bytes = size(&document.material) + label.len();
+        Self { label, document, bytes }
+    }
+}
+
+/// About how much memory a material takes.
+fn size(material: &Material) -> usize {
+    let texts = [&material.name, &material.notes, &material.provenance.source, &material.provenance.reference];
+    let maps = material.slots().filter_map(|(_, slot)| slot.texture.as_ref()).map(|texture| texture.path.len());
+    size_of::<Material>()
+        + PROPERTIES.len() * size_of::<Slot>()
+        + texts.iter().map(|text| text.len()).sum::<usize>()
+        + material.tags.iter().map(String::len).sum::<usize>()
+        + maps.sum::<usize>()
 }
 
 /// The states that undo and redo walk through.
@@ -27,7 +46,7 @@ pub struct History {
 impl History {
     /// A history whose first state is `document`.
     pub fn new(document: &Document) -> Self {
-        Self { steps: vec![Step { label: "Open".into(), document: document.clone() }], current: 0, pending: None }
+        Self { steps: vec![Step::new("Open".into(), document.clone())], current: 0, pending: None }
     }
 
     /// Takes note of a changed document. The step is made later, by [`Self::settle`].
@@ -54,10 +73,14 @@ impl History {
             return;
         }
         self.steps.truncate(self.current + 1);
-        self.steps.push(Step { label, document });
-        if self.steps.len() > MAX_STEPS {
-            self.steps.remove(0);
+        self.steps.push(Step::new(label, document));
+        let mut bytes: usize = self.steps.iter().map(|step| step.bytes).sum();
+        let mut forgotten = 0;
+        while bytes > MAX_BYTES && forgotten + 2 < self.steps.len() {
+            bytes -= self.steps[forgotten].bytes;
+            forgotten += 1;
         }
+        self.steps.drain(..forgotten);
         self.current = self.steps.len() - 1;
     }
 
@@ -92,6 +115,11 @@ impl History {
         let label = self.redo_label()?.to_owned();
         self.current += 1;
         Some((label, self.now().clone()))
+    }
+
+    /// Whether a gesture goes on.
+    pub fn is_pending(&self) -> bool {
+        self.pending.is_some()
     }
 
     /// Whether the newest state it knows of is this one.
@@ -221,6 +249,25 @@ mod tests {
         history.settle();
         assert_eq!(history.redo_label(), None);
         assert_eq!(history.labels().count(), 2);
+    }
+
+    #[test]
+    fn thousands_of_steps_are_kept_and_memory_is_bounded() {
+        let (mut document, mut history) = start();
+        for i in 0..5000 {
+            document.material.set(Property::coat, Value::Float(f64::from(i % 7) / 7.0));
+            document.material.set(Property::roughness, Value::Float(f64::from(i) / 5000.0));
+            history.feed(&document);
+            history.settle();
+        }
+        assert!(history.labels().count() > 4000);
+        document.material.notes = "n".repeat(MAX_BYTES / 4);
+        for i in 0..10 {
+            document.material.set(Property::coat, Value::Float(f64::from(i) / 11.0));
+            history.feed(&document);
+            history.settle();
+        }
+        assert!(history.labels().count() <= 5, "{}", history.labels().count());
     }
 
     #[test]

@@ -41,9 +41,10 @@ pub struct LiveFinal {
 }
 
 impl LiveFinal {
-    /// Starts the threads: one per core. The window needs little, and gets it as what wakes up comes before what runs all the time.
-    pub fn new(ctx: &Context) -> Self {
-        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    /// Starts the threads: one per core unless told otherwise. The window needs little, and gets it as what wakes up comes before what runs all
+    /// the time.
+    pub fn new(ctx: &Context, threads: Option<usize>) -> Self {
+        let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, std::num::NonZero::get));
         let repaint = ctx.clone();
         Self {
             worker: Worker::new(threads, Box::new(move || repaint.request_repaint())),

@@ -1,22 +1,33 @@
 //! Files and built-in scenes, read and made in the background. The window only collects what is finished.
 
 use crate::files::{self, OpenedMaterial};
+use crate::texture_set;
 use burnish_assets::{Environment, Image};
-use burnish_material::{Material, Property};
+use burnish_material::{Channel, Material, Property};
 use burnish_renderer::scene::{ModelMeshes, TextureSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// Something to load.
+/// Something to load. Numbers are those of documents, see [`crate::tabs::Tabs`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Job {
     /// A material file to open.
     Material(PathBuf),
-    /// Images that a material names, relative to a folder.
-    Textures(Box<Material>, Option<PathBuf>),
+    /// A material file that another program has changed, for the document of this number.
+    Reload(u64, PathBuf),
+    /// A material file to compare the document of this number with.
+    Compare(u64, PathBuf),
+    /// The images that a material names, relative to a folder.
+    Textures(u64, Box<Material>, Option<PathBuf>),
     /// An image for one property.
-    Texture(Property, PathBuf),
+    Texture(u64, Property, PathBuf),
+    /// An image that another program has changed, by the path that the material names.
+    Image(u64, String, PathBuf),
+    /// A folder of images for many properties.
+    TextureSet(u64, PathBuf),
+    /// A photo to look at.
+    Reference(PathBuf),
     /// A built-in model.
     Shape(&'static str),
     /// A mesh file.
@@ -27,14 +38,32 @@ pub enum Job {
     Environment(PathBuf),
 }
 
+/// An image of a texture set, and how its property reads it.
+pub struct SetImage {
+    /// Whose map it is.
+    pub property: Property,
+    /// The file.
+    pub path: PathBuf,
+    /// What the property reads of it.
+    pub channel: Channel,
+    /// Whether it is read inverted.
+    pub is_inverted: bool,
+    /// The image.
+    pub image: Arc<Image>,
+}
+
 /// What came of a job.
 pub enum Loaded {
     /// An opened material.
     Material(Box<OpenedMaterial>),
-    /// Images for the current document.
+    /// Images for a document.
     Textures(TextureSet),
-    /// An image for one property.
-    Texture(Property, PathBuf, Arc<Image>),
+    /// An image.
+    Texture(Arc<Image>),
+    /// Images for many properties.
+    TextureSet(Vec<SetImage>),
+    /// A photo.
+    Reference(Arc<Image>),
     /// A model, with its file if it has one.
     Model(Box<ModelMeshes>, Option<PathBuf>),
     /// An environment, with its file if it has one.
@@ -52,14 +81,16 @@ pub struct Done {
 }
 
 impl Job {
-    /// What a newer job of the same kind replaces; textures for different properties do not replace each other.
-    fn kind(&self) -> (u8, usize) {
-        match self {
-            Self::Material(_) => (0, 0),
-            Self::Textures(..) => (1, 0),
-            Self::Texture(property, _) => (2, *property as usize),
-            Self::Shape(_) | Self::Model(_) => (3, 0),
-            Self::BuiltInEnvironment(_) | Self::Environment(_) => (4, 0),
+    /// Whether a newer job makes this one's result void. Images for different properties do not replace each other.
+    fn is_replaced_by(&self, newer: &Self) -> bool {
+        match (self, newer) {
+            (Self::Shape(_) | Self::Model(_), Self::Shape(_) | Self::Model(_))
+            | (Self::BuiltInEnvironment(_) | Self::Environment(_), Self::BuiltInEnvironment(_) | Self::Environment(_))
+            | (Self::Reference(_), Self::Reference(_)) => true,
+            (Self::Texture(a, p, _), Self::Texture(b, q, _)) => (a, p) == (b, q),
+            (Self::Image(a, p, _), Self::Image(b, q, _)) => (a, p) == (b, q),
+            (Self::Textures(a, ..), Self::Textures(b, ..)) => a == b,
+            _ => self == newer,
         }
     }
 
@@ -67,7 +98,15 @@ impl Job {
     pub fn text(&self) -> String {
         let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         match self {
-            Self::Material(path) | Self::Texture(_, path) | Self::Model(path) | Self::Environment(path) => name(path),
+            Self::Material(path)
+            | Self::Reload(_, path)
+            | Self::Compare(_, path)
+            | Self::Texture(_, _, path)
+            | Self::Image(_, _, path)
+            | Self::TextureSet(_, path)
+            | Self::Reference(path)
+            | Self::Model(path)
+            | Self::Environment(path) => name(path),
             Self::Textures(..) => "maps".into(),
             Self::Shape(name) | Self::BuiltInEnvironment(name) => (*name).into(),
         }
@@ -76,18 +115,20 @@ impl Job {
     fn run(&self) -> (Result<Loaded, String>, Vec<String>) {
         let mut warnings = Vec::new();
         let result = match self {
-            Self::Material(path) => files::open_material(path).map_err(|error| error.to_string()).map(|mut opened| {
-                warnings.append(&mut opened.warnings);
-                Loaded::Material(Box::new(opened))
-            }),
-            Self::Textures(material, folder) => {
+            Self::Material(path) | Self::Reload(_, path) | Self::Compare(_, path) => {
+                files::open_material(path).map_err(|error| error.to_string()).map(|mut opened| {
+                    warnings.append(&mut opened.warnings);
+                    Loaded::Material(Box::new(opened))
+                })
+            }
+            Self::Textures(_, material, folder) => {
                 let (textures, missing) = files::load_textures(material, folder.as_deref());
                 warnings = missing;
                 Ok(Loaded::Textures(textures))
             }
-            Self::Texture(property, path) => burnish_assets::load_image(path)
-                .map(|image| Loaded::Texture(*property, path.clone(), Arc::new(image)))
-                .map_err(|error| error.to_string()),
+            Self::Texture(_, _, path) | Self::Image(_, _, path) => image(path).map(Loaded::Texture),
+            Self::Reference(path) => image(path).map(Loaded::Reference),
+            Self::TextureSet(_, folder) => load_set(folder, &mut warnings).map(Loaded::TextureSet),
             Self::Shape(name) => burnish_assets::make_shape(name)
                 .map(|model| Loaded::Model(Box::new(model.into()), None))
                 .ok_or_else(|| format!("There is no built-in mesh called {name}.")),
@@ -109,6 +150,37 @@ impl Job {
     }
 }
 
+fn image(path: &Path) -> Result<Arc<Image>, String> {
+    burnish_assets::load_image(path).map(Arc::new).map_err(|error| error.to_string())
+}
+
+/// The images of a folder that fit a property by their names. Those that do not are told.
+fn load_set(folder: &Path, warnings: &mut Vec<String>) -> Result<Vec<SetImage>, String> {
+    let found = texture_set::match_set(&texture_set::read_folder(folder)?);
+    warnings.extend(found.unmatched.iter().map(|(path, why)| format!("{}: not used: {why}", path.display())));
+    if found.slots.is_empty() {
+        return Err(format!(
+            "{}: expected images named after properties, such as wood_BaseColor.png, found none",
+            folder.display()
+        ));
+    }
+    // A packed image serves several properties and is read once.
+    let mut images: Vec<(PathBuf, Arc<Image>)> = Vec::new();
+    let mut set = Vec::new();
+    for slot in found.slots {
+        let known = images.iter().find(|(path, _)| *path == slot.path).map(|(_, image)| image.clone());
+        match known.map_or_else(|| image(&slot.path), Ok) {
+            Ok(image) => {
+                images.push((slot.path.clone(), image.clone()));
+                let (property, channel, is_inverted) = (slot.property, slot.channel, slot.is_inverted);
+                set.push(SetImage { property, path: slot.path, channel, is_inverted, image });
+            }
+            Err(problem) => warnings.push(problem),
+        }
+    }
+    Ok(set)
+}
+
 /// Runs jobs on threads of their own. A newer job of the same kind makes an older one's result void.
 pub struct Loader {
     sender: Sender<(u64, Done)>,
@@ -127,7 +199,7 @@ impl Default for Loader {
 impl Loader {
     /// Starts a job.
     pub fn start(&mut self, job: Job, ctx: &egui::Context) {
-        self.running.retain(|(_, other)| other.kind() != job.kind());
+        self.running.retain(|(_, other)| !other.is_replaced_by(&job));
         self.next += 1;
         let (number, sender, ctx) = (self.next, self.sender.clone(), ctx.clone());
         self.running.push((number, job.clone()));
@@ -154,6 +226,11 @@ impl Loader {
     pub fn text(&self) -> Option<String> {
         let names: Vec<String> = self.running.iter().map(|(_, job)| job.text()).collect();
         (!names.is_empty()).then(|| format!("Loading {}…", names.join(", ")))
+    }
+
+    /// Makes the results of everything that is being loaded void.
+    pub fn cancel(&mut self) {
+        self.running.clear();
     }
 
     /// Whether a job is running.

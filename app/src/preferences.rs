@@ -5,6 +5,7 @@
 
 use crate::files::FilesError;
 use crate::own_files;
+use crate::theme::ThemeName;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_material::DEFAULT_UNIT_MM;
 use burnish_renderer::tonemap::DisplayTransform;
@@ -43,23 +44,6 @@ pub enum MouseScheme {
 impl MouseScheme {
     /// All schemes with their words in files.
     pub const ALL: [(Self, &'static str); 3] = [(Self::Designer, "designer"), (Self::Maya, "maya"), (Self::Blender, "blender")];
-}
-
-/// How light the window is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ThemeName {
-    /// Dark grey panels.
-    #[default]
-    Dark,
-    /// Middle grey panels, as bright as what the picture stands in.
-    Grey,
-    /// Light panels, for bright rooms.
-    Light,
-}
-
-impl ThemeName {
-    /// All themes with their words in files.
-    pub const ALL: [(Self, &'static str); 3] = [(Self::Dark, "dark"), (Self::Grey, "grey"), (Self::Light, "light")];
 }
 
 /// What the user prefers. Everything has a default, and everything read from a file is in range.

@@ -51,7 +51,8 @@ const GROUP_TITLES: &[(&str, &str)] = &[
 
 /// All presets, sorted by group, then by name.
 pub fn presets() -> &'static [Preset] {
-    const PRESETS: &[Preset] = include!(concat!(env!("OUT_DIR"), "/presets.rs"));
+    // One place in memory, so that a preset can be told by its address.
+    static PRESETS: &[Preset] = include!(concat!(env!("OUT_DIR"), "/presets.rs"));
     PRESETS
 }
 

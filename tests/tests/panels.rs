@@ -62,7 +62,7 @@ fn set_document(window: &mut Window, edit: impl FnOnce(&mut Material)) {
 }
 
 fn press(window: &mut Window, command: Command) {
-    let keys = command.shortcuts()[0];
+    let keys = command.def().keys[0];
     window.key_press_modifiers(keys.modifiers, keys.logical_key);
     window.run_steps(2);
 }
@@ -343,16 +343,20 @@ fn a_file_that_cannot_be_read_costs_one_message_and_nothing_else() {
 }
 
 #[test]
-fn new_asks_before_it_drops_changes() {
+fn closing_asks_before_it_drops_changes() {
     let mut window = window();
     find(&window, Role::Slider, "Coat opacity").set_value_accesskit(1.0);
     window.run_steps(3);
     let edited = material(&window);
     press(&mut window, Command::New);
+    assert_eq!((app(&window).document_count(), material(&window).float(Property::coat)), (2, 0.0), "a tab of its own");
+    press(&mut window, Command::CloseTab);
+    assert_eq!(material(&window), edited, "nothing was done in the new one");
+    press(&mut window, Command::CloseTab);
     window.get_by_label("Cancel").click();
     window.run_steps(3);
     assert_eq!(material(&window), edited);
-    press(&mut window, Command::New);
+    press(&mut window, Command::CloseTab);
     window.get_by_label("Don’t save").click();
     window.run_steps(3);
     assert_eq!(material(&window).float(Property::coat), 0.0);

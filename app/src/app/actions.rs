@@ -1,24 +1,25 @@
-//! What commands, drops and dialogs do to the application.
+//! What commands do to the application.
 
-use super::{After, App};
+use super::App;
 use crate::command::Command;
-use crate::dialogs::{Purpose, Question};
-use crate::editor::{Document, View, ViewMode};
+use crate::dialogs::Purpose;
+use crate::dock::Pane;
+use crate::editor::Document;
+use crate::editor::{Orbit, View, ViewMode};
 use crate::export::{self, Picture};
-use crate::files::{self, OpenedMaterial};
-use crate::history::History;
 use crate::live_denoise::DenoisedPicture;
 use crate::live_final::{LiveFinal, SEED};
-use crate::loading::{Done, Job, Loaded};
-use crate::panels::viewport;
-use burnish_assets::{is_environment_path, is_image_path, is_model_path};
-use burnish_material::{Material, MaterialFile, Property, Slot, TextureRef};
-use burnish_presets::Preset;
+use crate::loading::Job;
+use crate::pages::Page;
+use crate::sides::Side;
+use crate::widgets::value_edit::RowAction;
+use burnish_assets::{ENVIRONMENTS, SHAPES};
+use burnish_material::Slot;
 use burnish_renderer::path::StopReason;
 use burnish_renderer::stability::Fix;
 use burnish_renderer::worker::Snapshot;
-use egui::{Context, Modal, ViewportCommand};
-use std::path::{Path, PathBuf};
+use egui::{Context, FocusDirection, Key, Modifiers, ViewportCommand};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A third of a stop.
@@ -35,7 +36,50 @@ impl App {
             Command::ShowBoth | Command::ShowWipe | Command::ShowDifference | Command::ToggleFinal => {
                 self.preview.problem().is_none()
             }
+            Command::FlipSides | Command::CompareSides => self.sides.stored().is_some(),
+            Command::NextTab | Command::PreviousTab => self.tabs.count() > 1,
+            Command::NextBookmark => !self.editor.view.bookmarks.is_empty(),
             _ => true,
+        }
+    }
+
+    /// Whether a command's menu item is marked.
+    pub(super) fn is_on(&self, command: Command) -> bool {
+        let view = &self.editor.view;
+        match command {
+            Command::ShowPreview => view.mode == ViewMode::Preview,
+            Command::ShowFinal => view.mode == ViewMode::Final,
+            Command::ShowBoth => view.mode == ViewMode::Both,
+            Command::ShowWipe => view.mode == ViewMode::Wipe,
+            Command::ShowDifference => view.mode == ViewMode::Difference,
+            Command::CompareSides => view.compares_sides,
+            Command::ToggleBloom => view.is_bloom_on,
+            Command::ToggleDenoise => view.is_denoise_on,
+            Command::TogglePanels => !view.are_panels_shown,
+            _ => pane_of(command).is_some_and(|pane| self.dock.is_drawn(pane)),
+        }
+    }
+
+    /// Carries out the commands whose keys were pressed.
+    pub(super) fn carry_out_keys(&mut self, ctx: &Context) {
+        // A page that takes keys for itself, such as the one where they are chosen, comes first.
+        if self.pages.takes_keys() || self.asking.is_some() {
+            return;
+        }
+        // Tab walks through the controls; with the mouse over the picture and nothing in hand it hides the panels.
+        let is_over_view = ctx.pointer_latest_pos().is_some_and(|place| self.view_rect.contains(place));
+        if is_over_view
+            && ctx.memory(|memory| memory.focused().is_none())
+            && ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Tab))
+        {
+            ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+            self.carry_out(Command::TogglePanels, ctx);
+        }
+        if self.picking.is_some() && ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape)) {
+            self.picking = None;
+        }
+        for command in self.keymap.pressed(ctx) {
+            self.carry_out(command, ctx);
         }
     }
 
@@ -44,17 +88,26 @@ impl App {
         if !self.is_possible(command) {
             return;
         }
+        if let Some(pane) = pane_of(command) {
+            self.editor.view.are_panels_shown = true;
+            return self.toggle_pane(pane);
+        }
         let view = &mut self.editor.view;
         match command {
-            Command::New => self.unless_unsaved(After::New, ctx),
-            Command::Open => self.unless_unsaved(After::AskOpen, ctx),
+            Command::New => self.new_tab(),
+            Command::Open => self.ask(Purpose::OpenMaterial, ctx),
+            Command::OpenRecent => self.pages.open(Page::Recent),
             Command::Save => self.save(ctx),
             Command::SaveAs => self.ask(Purpose::SaveMaterial, ctx),
+            Command::CloseTab => self.close_tab(ctx),
             Command::LoadModel => self.ask(Purpose::LoadModel, ctx),
             Command::LoadEnvironment => self.ask(Purpose::LoadEnvironment, ctx),
+            Command::LoadTextureSet => self.ask(Purpose::LoadTextureSet, ctx),
+            Command::LoadReference => self.ask(Purpose::LoadReference, ctx),
             Command::SavePng => self.ask(Purpose::SavePng, ctx),
             Command::SaveExr => self.ask(Purpose::SaveExr, ctx),
-            Command::Quit => self.unless_unsaved(After::Close, ctx),
+            Command::Preferences => self.pages.open(Page::Preferences),
+            Command::Quit => self.close_window(ctx),
             Command::Undo => {
                 if let Some((label, document)) = self.history.undo() {
                     self.return_to(document, format!("Undid: {label}"));
@@ -66,10 +119,30 @@ impl App {
                 }
             }
             Command::ResetAll => {
+                self.history.settle();
                 for def in burnish_material::PROPERTIES {
                     *self.editor.document.material.slot_mut(def.id) = Slot::default();
                 }
                 self.history.commit("Reset all properties", &self.editor.document);
+            }
+            Command::StoreSide => {
+                self.sides.store(Side::of(&self.editor.document, "A"));
+                let flip = self.keymap.shown(Command::FlipSides);
+                self.messages.info(format!("This state is side A; go on with B. {flip} flips, and the wipe can show both."));
+            }
+            Command::FlipSides => {
+                self.history.settle();
+                if self.sides.flip(&mut self.editor.document) {
+                    let (here, _) = self.sides.letters();
+                    self.history.commit(format!("Flip to side {here}"), &self.editor.document);
+                    self.messages.info(format!("This is side {here}."));
+                }
+            }
+            Command::CompareSides => {
+                view.compares_sides = !view.compares_sides;
+                if view.compares_sides && !matches!(view.mode, ViewMode::Both | ViewMode::Wipe) {
+                    view.mode = ViewMode::Both;
+                }
             }
             Command::ToggleFinal => {
                 view.mode = if view.mode == ViewMode::Final { ViewMode::Preview } else { ViewMode::Final };
@@ -87,18 +160,79 @@ impl App {
             Command::ResetView => {
                 let fresh = View::default();
                 view.environment_deg = fresh.environment_deg;
-                view.display = fresh.display;
+                view.display.exposure_ev = fresh.display.exposure_ev;
                 if let Some(model) = &self.editor.model {
-                    view.orbit = crate::editor::Orbit::of_model(model);
+                    view.orbit = Orbit::of_model(model);
                 }
+            }
+            Command::BookmarkCamera => {
+                view.bookmarks.push(view.orbit);
+                let count = view.bookmarks.len();
+                self.messages.info(format!("Camera bookmark {count} kept."));
+            }
+            Command::NextBookmark => {
+                let here = view.bookmarks.iter().position(|orbit| *orbit == view.orbit);
+                let next = here.map_or(0, |index| (index + 1) % view.bookmarks.len());
+                view.orbit = view.bookmarks[next];
+            }
+            Command::NextMesh | Command::PreviousMesh => {
+                let here = self.editor.model.as_ref().and_then(|model| SHAPES.iter().position(|def| def.label == model.name));
+                let step = if command == Command::NextMesh { 1 } else { SHAPES.len() - 1 };
+                let next = here.map_or(0, |index| (index + step) % SHAPES.len());
+                self.loader.start(Job::Shape(SHAPES[next].name), ctx);
+            }
+            Command::NextEnvironment => {
+                let name = self.editor.environment.as_ref().map(|environment| environment.name.as_str());
+                let here = ENVIRONMENTS.iter().position(|def| Some(def.label) == name);
+                let next = here.map_or(0, |index| (index + 1) % ENVIRONMENTS.len());
+                self.loader.start(Job::BuiltInEnvironment(ENVIRONMENTS[next].name), ctx);
             }
             Command::ExposureUp => view.display.exposure_ev = third(view.display.exposure_ev + EXPOSURE_STEP),
             Command::ExposureDown => view.display.exposure_ev = third(view.display.exposure_ev - EXPOSURE_STEP),
             Command::ToggleBloom => view.is_bloom_on = !view.is_bloom_on,
             Command::ToggleDenoise => view.is_denoise_on = !view.is_denoise_on,
+            Command::NextDebug => self.debug.next(),
+            Command::ShowMaterial => self.debug.end(),
+            Command::ExplainPixel => self.debug.toggle_explaining(),
             Command::TogglePanels => view.are_panels_shown = !view.are_panels_shown,
-            Command::ToggleChart => view.is_chart_shown = !view.is_chart_shown,
-            Command::ToggleStability => view.is_stability_shown = !view.is_stability_shown,
+            Command::Fullscreen => {
+                let is_full = ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
+                ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
+            }
+            Command::NextTab | Command::PreviousTab => {
+                let (count, front) = (self.tabs.count(), self.tabs.front());
+                let place = if command == Command::NextTab { front + 1 } else { front + count - 1 } % count;
+                self.with_front(|tabs, front| tabs.bring_to_front(place, front));
+            }
+            Command::ResetLayout => self.reset_layout(),
+            Command::Palette => self.pages.open(Page::Palette),
+            Command::Help => {
+                let row = ctx.pointer_latest_pos().and_then(|place| self.properties.row_at(place));
+                let is_shown = self.drawn.contains(&Pane::Properties) && self.editor.view.are_panels_shown;
+                match row.filter(|_| is_shown) {
+                    Some(property) => self.pages.open(Page::Reference(property)),
+                    None => self.pages.open(Page::Help),
+                }
+            }
+            Command::ToggleLibrary
+            | Command::ToggleProperties
+            | Command::ToggleLobes
+            | Command::ToggleChart
+            | Command::ToggleStability
+            | Command::ToggleHistory
+            | Command::ToggleMessages => {}
+        }
+    }
+
+    /// Does what a row of the properties asks for.
+    pub(super) fn act(&mut self, action: RowAction, ctx: &Context) {
+        match action {
+            RowAction::ChooseMap(property) => self.ask_for_map(property, ctx),
+            RowAction::PickColor(property) => {
+                self.picking = Some(property);
+                self.messages.info(format!("Click into a picture to take a colour for {}; Esc ends it.", property.def().label));
+            }
+            RowAction::ShowReference(property) => self.pages.open(Page::Reference(property)),
         }
     }
 
@@ -121,131 +255,9 @@ impl App {
         self.messages.info(info);
     }
 
-    /// Takes the place of the document by a preset, as one step that undo takes back.
-    pub fn load_preset(&mut self, preset: &'static Preset) {
-        match preset.parse() {
-            Ok((file, _)) => {
-                let opened = OpenedMaterial { path: None, file, warnings: Vec::new(), textures: Arc::default() };
-                self.history.settle();
-                self.editor.document = self.editor.document.replaced_by(Document::opened(opened));
-                self.history.commit(format!("Load preset {}", preset.name), &self.editor.document);
-                self.messages.info(format!("Loaded preset {}; undo brings back what was here before.", preset.name));
-            }
-            Err(error) => self.messages.error(format!("The preset {} cannot be read: {error}", preset.name)),
-        }
-    }
-
-    /// Opens a file by its ending.
-    pub fn load_path(&mut self, path: &Path, ctx: &Context) {
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-        if files::is_material_path(&path) {
-            self.unless_unsaved(After::Open(path), ctx);
-        } else if is_model_path(&path) {
-            self.loader.start(Job::Model(path), ctx);
-        } else if is_environment_path(&path) {
-            self.loader.start(Job::Environment(path), ctx);
-        } else {
-            self.messages.warning(refusal(&path));
-        }
-    }
-
-    /// Goes on at once, or after asking what to do with unsaved changes.
-    fn unless_unsaved(&mut self, after: After, ctx: &Context) {
-        self.history.settle();
-        if self.editor.document.is_modified() {
-            self.asking = Some(after);
-        } else {
-            self.go_on(after, ctx);
-        }
-    }
-
-    fn go_on(&mut self, after: After, ctx: &Context) {
-        match after {
-            After::New => {
-                self.editor.document = Document::new(Material::named("New material"));
-                self.history = History::new(&self.editor.document);
-                self.messages.info("New material: every property has its default.");
-            }
-            After::AskOpen => self.ask(Purpose::OpenMaterial, ctx),
-            After::Open(path) => self.loader.start(Job::Material(path), ctx),
-            After::Close => {
-                self.is_closing = true;
-                ctx.send_viewport_cmd(ViewportCommand::Close);
-            }
-        }
-    }
-
-    fn ask(&mut self, purpose: Purpose, ctx: &Context) {
-        let document = &self.editor.document;
-        let stem: String = document.title().to_lowercase().chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-        let stem = stem.trim_matches('-');
-        let own_name = document.path().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-        let file_name = match purpose {
-            Purpose::SaveMaterial => own_name.unwrap_or_else(|| format!("{stem}.{}", files::MATERIAL_EXTENSION)),
-            Purpose::SavePng => format!("{stem}.png"),
-            Purpose::SaveExr => format!("{stem}.exr"),
-            _ => String::new(),
-        };
-        let folder = document.folder().map(Path::to_path_buf);
-        self.dialogs.ask(Question { purpose, folder, file_name }, ctx);
-    }
-
-    /// Asks for an image for a property.
-    pub(super) fn ask_for_map(&mut self, property: Property, ctx: &Context) {
-        self.ask(Purpose::LoadTexture(property), ctx);
-    }
-
-    fn save(&mut self, ctx: &Context) {
-        match self.editor.document.path().map(Path::to_path_buf) {
-            Some(path) => self.save_to(path, ctx),
-            None => self.ask(Purpose::SaveMaterial, ctx),
-        }
-    }
-
-    /// Writes the document; says what was changed, or why nothing was written.
-    fn save_to(&mut self, path: PathBuf, ctx: &Context) {
-        self.history.settle();
-        let path = std::path::absolute(&path).unwrap_or(path);
-        let mut document = self.editor.document.clone();
-        document.move_to_folder(path.parent());
-        let changed = document.saved().changed(&document.material);
-        let text = document.file().to_text(&document.material);
-        let saved = files::save_atomic(&path, text.as_bytes()).map_err(|error| error.to_string()).and_then(|()| {
-            let reread =
-                std::fs::read_to_string(&path).map_err(|error| format!("{}: cannot be read back: {error}", path.display()))?;
-            let (file, _) = MaterialFile::parse(&reread).map_err(|error| format!("{}: {error}", path.display()))?;
-            Ok((reread == text, file))
-        });
-        match saved {
-            Ok((is_same, file)) if is_same && *file.material() == document.material => {
-                let old = self.editor.document.clone();
-                document.set_saved(path.clone(), file);
-                self.history.rebase(&old, &document);
-                self.editor.document = document;
-                let values = match changed {
-                    0 => "no value changed".into(),
-                    1 => "1 value changed".into(),
-                    n => format!("{n} values changed"),
-                };
-                self.messages.info(format!("{}: saved, reread, {values}, all else identical", path.display()));
-                if let Some(after) = self.after_save.take() {
-                    self.go_on(after, ctx);
-                }
-            }
-            Ok(_) => self
-                .fail_saving(format!("{}: what was read back is not what was edited; save under another name", path.display())),
-            Err(problem) => self.fail_saving(problem),
-        }
-    }
-
-    fn fail_saving(&mut self, problem: String) {
-        self.after_save = None;
-        self.messages.error(format!("Not saved. {problem}"));
-    }
-
     /// Writes the picture that is shown, on a thread of its own.
-    fn write_picture(&mut self, path: PathBuf, ctx: &Context) {
-        let view = self.final_view.as_ref().filter(|_| self.editor.view.mode.has_final());
+    pub(super) fn write_picture(&mut self, path: PathBuf, ctx: &Context) {
+        let view = self.final_view.as_ref().filter(|_| self.has_final());
         let denoised = view.and_then(LiveFinal::denoised);
         let shown = denoised.map(|denoised| &denoised.raw).or_else(|| view.and_then(LiveFinal::newest));
         let picture = if let Some(snapshot) = shown {
@@ -293,145 +305,15 @@ impl App {
         while let Some(done) = self.loader.poll() {
             self.loaded(done);
         }
-    }
-
-    fn answered(&mut self, purpose: Purpose, path: PathBuf, ctx: &Context) {
-        let with_ending = |ending: &str| {
-            let has = path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
-            if has { path.clone() } else { PathBuf::from(format!("{}.{ending}", path.display())) }
-        };
-        match purpose {
-            Purpose::OpenMaterial => self.go_on(After::Open(path), ctx),
-            Purpose::SaveMaterial => {
-                let path = if files::is_material_path(&path) { path } else { with_ending(files::MATERIAL_EXTENSION) };
-                self.save_to(path, ctx);
-            }
-            Purpose::LoadModel => self.loader.start(Job::Model(path), ctx),
-            Purpose::LoadEnvironment => self.loader.start(Job::Environment(path), ctx),
-            Purpose::LoadTexture(property) => self.loader.start(Job::Texture(property, path), ctx),
-            Purpose::SavePng => self.write_picture(with_ending("png"), ctx),
-            Purpose::SaveExr => self.write_picture(with_ending("exr"), ctx),
-        }
-    }
-
-    fn loaded(&mut self, done: Done) {
-        if matches!(done.result, Ok(Loaded::Material(_))) {
-            self.messages.clear();
-        }
-        for warning in done.warnings {
-            self.messages.warning(warning);
-        }
-        match done.result {
-            Err(problem) => self.messages.error(problem),
-            Ok(Loaded::Material(opened)) => {
-                let path = opened.path.clone().unwrap_or_default();
-                self.editor.document = Document::opened(*opened);
-                self.history = History::new(&self.editor.document);
-                let document = &self.editor.document;
-                let set = document.material.slots().filter(|(_, slot)| **slot != Slot::default()).count();
-                let mut info = format!("Opened {}: {set} of {} properties set", path.display(), burnish_material::PROPERTY_COUNT);
-                for (count, what) in [
-                    (document.file().unknown_keys().len(), "unknown kept"),
-                    (document.file().unreadable().len(), "unreadable kept"),
-                ] {
-                    if count > 0 {
-                        info += &format!(", {count} {what}");
-                    }
-                }
-                self.messages.info(info);
-            }
-            Ok(Loaded::Textures(textures)) => {
-                Arc::make_mut(&mut self.editor.document.textures).extend(textures);
-            }
-            Ok(Loaded::Texture(property, path, image)) => {
-                let name = files::texture_name(&path, self.editor.document.folder());
-                Arc::make_mut(&mut self.editor.document.textures).insert(name.clone(), image);
-                let slot = self.editor.document.material.slot_mut(property);
-                match &mut slot.texture {
-                    Some(texture) => texture.path = name,
-                    None => slot.texture = Some(TextureRef::new(name)),
-                }
-                self.messages.info(format!("{} reads {}", property.def().label, path.display()));
-            }
-            Ok(Loaded::Model(model, path)) => {
-                if path.is_some() || self.editor.model.is_some() {
-                    self.messages.info(format!("Showing {}", model.name));
-                }
-                self.editor.set_model(*model);
-            }
-            Ok(Loaded::Environment(environment, path)) => {
-                if path.is_some() || self.editor.environment.is_some() {
-                    self.messages.info(format!("Lit by {}", environment.name));
-                }
-                self.editor.environment = Some(environment);
-            }
-        }
-    }
-
-    /// Shows what hovered files would do, and takes dropped ones.
-    pub(super) fn take_drops(&mut self, ctx: &Context) {
-        let (hovered, dropped) = ctx.input(|i| {
-            let hovered: Vec<PathBuf> = i.raw.hovered_files.iter().filter_map(|file| file.path.clone()).collect();
-            let dropped: Vec<PathBuf> = i.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect();
-            (hovered, dropped)
-        });
-        let row = ctx
-            .pointer_latest_pos()
-            .and_then(|place| self.properties.map_row_at(place))
-            .filter(|_| self.editor.view.are_panels_shown);
-        if let Some(path) = hovered.first() {
-            let (text, is_refused) = match row.filter(|_| is_image_path(path)) {
-                Some(property) => (format!("Use as map for {}", property.def().label), false),
-                None => drop_text(path),
-            };
-            viewport::paint_drop_hint(ctx, &text, is_refused);
-        }
-        for path in dropped {
-            match row.filter(|_| is_image_path(&path)) {
-                Some(property) => self.loader.start(Job::Texture(property, path), ctx),
-                None => self.load_path(&path, ctx),
-            }
-        }
-    }
-
-    /// Asks what to do with unsaved changes.
-    pub(super) fn ask_about_unsaved(&mut self, ctx: &Context) {
-        let Some(after) = self.asking.clone() else { return };
-        let title = self.editor.document.title();
-        let response = Modal::new(egui::Id::unique("unsaved")).show(ctx, |ui| {
-            ui.set_width(340.0);
-            ui.heading("Unsaved changes");
-            ui.add_space(4.0);
-            ui.label(format!("“{title}” has changes that are not saved."));
-            ui.add_space(10.0);
-            ui.horizontal(|ui| {
-                let save = ui.button("Save").clicked();
-                let discard = ui.button("Don’t save").clicked();
-                let cancel = ui.button("Cancel").clicked();
-                (save, discard, cancel)
-            })
-            .inner
-        });
-        let (save, discard, cancel) = response.inner;
-        if save {
-            self.asking = None;
-            self.after_save = Some(after);
-            self.save(ctx);
-        } else if discard {
-            self.asking = None;
-            self.go_on(after, ctx);
-        } else if cancel || response.should_close() {
-            self.asking = None;
-        }
+        self.small.collect();
     }
 
     /// Keeps the title current and asks before closing.
     pub(super) fn mind_the_window(&mut self, ctx: &Context) {
         if ctx.input(|i| i.viewport().close_requested()) && !self.is_closing {
-            self.history.settle();
-            if self.editor.document.is_modified() {
-                ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-                self.asking = Some(After::Close);
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            if self.asking.is_none() {
+                self.close_window(ctx);
             }
         }
         let document = &self.editor.document;
@@ -442,6 +324,20 @@ impl App {
             self.title = title;
         }
     }
+}
+
+/// The pane that a command shows or hides.
+fn pane_of(command: Command) -> Option<Pane> {
+    Some(match command {
+        Command::ToggleLibrary => Pane::Library,
+        Command::ToggleProperties => Pane::Properties,
+        Command::ToggleLobes => Pane::Lobes,
+        Command::ToggleChart => Pane::Chart,
+        Command::ToggleStability => Pane::Stability,
+        Command::ToggleHistory => Pane::History,
+        Command::ToggleMessages => Pane::Messages,
+        _ => return None,
+    })
 }
 
 /// A picture of the final view for a file. The job says how far it is and what ended it; of a denoised picture also who denoised, and the
@@ -471,36 +367,4 @@ fn final_picture(raw: &Snapshot, denoised: Option<&DenoisedPicture>) -> Picture 
 /// Exposure on whole thirds of a stop.
 fn third(ev: f32) -> f32 {
     (ev * 3.0).round() / 3.0
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// Why a dropped file does nothing.
-fn refusal(path: &Path) -> String {
-    let name = file_name(path);
-    if is_image_path(path) {
-        format!("{name} is an image: drop it on the row of a property that can have a map, for example Roughness.")
-    } else {
-        format!(
-            "{name}: expected a material (.asm.ron), a mesh (.gltf, .glb, .ply), an environment (.hdr, .exr) or an image on a property."
-        )
-    }
-}
-
-/// What dropping a file would do, and whether that is nothing.
-fn drop_text(path: &Path) -> (String, bool) {
-    let name = file_name(path);
-    if files::is_material_path(path) {
-        (format!("Open material {name}"), false)
-    } else if is_model_path(path) {
-        (format!("Show the material on {name}"), false)
-    } else if is_environment_path(path) {
-        (format!("Light the scene with {name}"), false)
-    } else if is_image_path(path) {
-        (format!("{name}: drop it on a property’s row to use it as a map"), true)
-    } else {
-        (format!("{name} cannot be used here"), true)
-    }
 }

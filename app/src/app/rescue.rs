@@ -1,10 +1,16 @@
 //! A lost graphics device: the window hands everything to the next one and closes.
 
 use super::App;
-use crate::editor::Editor;
+use super::keeping::Keeping;
+use crate::dock::Dock;
+use crate::editor::{Document, Editor};
 use crate::files;
 use crate::history::History;
+use crate::keymap::Keymap;
 use crate::loading::Loader;
+use crate::preferences::Preferences;
+use crate::sides::Sides;
+use crate::tabs::Tabs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -20,6 +26,12 @@ pub(super) struct Rescue(Arc<Mutex<Option<Rescued>>>);
 struct Rescued {
     editor: Editor,
     history: History,
+    sides: Sides,
+    tabs: Tabs,
+    preferences: Preferences,
+    keymap: Keymap,
+    dock: Dock,
+    keeping: Keeping,
     why: String,
 }
 
@@ -36,23 +48,26 @@ impl Rescue {
     /// Writes what cannot be shown any more, and says where it is.
     pub fn write(&self) -> String {
         let Some(rescued) = self.lock().take() else { return String::new() };
-        let document = &rescued.editor.document;
-        if !document.is_modified() {
-            return "no unsaved changes are lost".to_owned();
-        }
-        let text = document.file().to_text(&document.material);
-        let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from);
-        let own = document.path().and_then(Path::parent).map(Path::to_path_buf);
-        let mut problem = String::new();
-        for folder in [own, Some(PathBuf::new()), home, Some(std::env::temp_dir())].into_iter().flatten() {
-            let path = free_path(&folder);
-            match files::save_atomic(&path, text.as_bytes()) {
-                Ok(()) => return format!("unsaved changes were written to {}", path.display()),
-                Err(error) => problem = error.to_string(),
-            }
-        }
-        format!("unsaved changes could not be written: {problem}")
+        let modified = rescued.tabs.documents(&rescued.editor.document).map(|(_, document)| document);
+        let written: Vec<String> = modified.filter(|document| document.is_modified()).map(write).collect();
+        if written.is_empty() { "no unsaved changes are lost".to_owned() } else { written.join("; ") }
     }
+}
+
+/// Writes a document beside its file, or where it can be found, and says where that is.
+fn write(document: &Document) -> String {
+    let text = document.file().to_text(&document.material);
+    let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from);
+    let own = document.path().and_then(Path::parent).map(Path::to_path_buf);
+    let mut problem = String::new();
+    for folder in [own, Some(PathBuf::new()), home, Some(std::env::temp_dir())].into_iter().flatten() {
+        let path = free_path(&folder);
+        match files::save_atomic(&path, text.as_bytes()) {
+            Ok(()) => return format!("unsaved changes were written to {}", path.display()),
+            Err(error) => problem = error.to_string(),
+        }
+    }
+    format!("unsaved changes could not be written: {problem}")
 }
 
 /// A file of that folder that is not there yet.
@@ -64,15 +79,18 @@ fn free_path(folder: &Path) -> PathBuf {
 
 impl App {
     /// Goes on with what an earlier window has left, and leaves to later ones through the same hands.
-    pub(super) fn take_over(&mut self, rescue: Rescue) {
+    pub(super) fn take_over(&mut self, rescue: Rescue, ctx: &egui::Context) {
         let left = rescue.lock().take();
         self.rescue = rescue;
-        let Some(Rescued { editor, history, why }) = left else { return };
+        let Some(left) = left else { return };
         // With a model and a light at hand nothing has to be loaded.
-        if editor.model.is_some() && editor.environment.is_some() {
+        if left.editor.model.is_some() && left.editor.environment.is_some() {
             self.loader = Loader::default();
         }
-        (self.editor, self.history) = (editor, history);
+        (self.editor, self.history, self.sides, self.tabs) = (left.editor, left.history, left.sides, left.tabs);
+        (self.preferences, self.keymap, self.dock, self.keeping) = (left.preferences, left.keymap, left.dock, left.keeping);
+        self.apply_preferences(ctx);
+        let why = left.why;
         self.messages.warning(format!("The graphics device was lost ({why}); the window was opened anew, and nothing is lost."));
     }
 
@@ -103,8 +121,20 @@ impl App {
         // Asking a lost device may panic, and this may be called while that happens.
         let Some(why) = self.preview.known_loss() else { return };
         self.history.settle();
-        let (editor, history) = (std::mem::take(&mut self.editor), self.history.clone());
-        self.rescue.lock().get_or_insert(Rescued { editor, history, why });
+        let mut lock = self.rescue.lock();
+        if lock.is_none() {
+            *lock = Some(Rescued {
+                editor: std::mem::take(&mut self.editor),
+                history: self.history.clone(),
+                sides: std::mem::take(&mut self.sides),
+                tabs: std::mem::take(&mut self.tabs),
+                preferences: self.preferences.clone(),
+                keymap: self.keymap.clone(),
+                dock: std::mem::take(&mut self.dock),
+                keeping: std::mem::take(&mut self.keeping),
+                why,
+            });
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use super::App;
 use super::rescue::Rescue;
 use super::screenshot::Screenshot;
 use crate::dialogs::SystemDialogs;
+use crate::places::Places;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -84,7 +85,11 @@ fn open(
         options,
         Box::new(move |cc| {
             let mut app = App::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), Box::new(SystemDialogs::default()));
-            app.take_over(rescue);
+            // A window that comes after a lost one goes on with what that one kept.
+            if !rescue.holds_any() {
+                app = app.keep_in(Places::find(), &cc.egui_ctx);
+            }
+            app.take_over(rescue, &cc.egui_ctx);
             for file in files {
                 app.load_path(&file, &cc.egui_ctx);
             }

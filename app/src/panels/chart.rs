@@ -101,10 +101,10 @@ fn paint(painter: &Painter, rect: Rect, curve: &ErrorCurve) {
         painter.text(pos2(rect.left() + 8.0, top), Align2::LEFT_TOP, text, font.clone(), color);
         top += LINE;
     };
-    say("estimated error, % over seconds".into(), theme::WEAK);
-    say(curve.slope(), theme::TEXT);
+    say("estimated error, % over seconds".into(), theme::ON_PICTURE.weak);
+    say(curve.slope(), theme::ON_PICTURE.text);
     if let Some(forecast) = curve.forecast() {
-        say(forecast, theme::TEXT);
+        say(forecast, theme::ON_PICTURE.text);
     }
     let plot = Rect::from_min_max(pos2(rect.left() + 36.0, top + 8.0), rect.max - vec2(14.0, 19.0));
     if plot.width() < 20.0 || plot.height() < 20.0 {
@@ -118,29 +118,29 @@ fn paint(painter: &Painter, rect: Rect, curve: &ErrorCurve) {
         let [a, b] = [pair[0], pair[1]];
         let corners = [(a.seconds, a.low), (a.seconds, a.high), (b.seconds, b.high), (b.seconds, b.low)];
         let corners = corners.map(|(seconds, relmse)| axes.place(seconds, relmse)).to_vec();
-        painter.add(Shape::convex_polygon(corners, theme::ACCENT.gamma_multiply(0.28), Stroke::NONE));
+        painter.add(Shape::convex_polygon(corners, theme::ON_PICTURE.accent.gamma_multiply(0.28), Stroke::NONE));
     }
     let dashed = |from: Pos2, to: Pos2, color| {
         painter.extend(Shape::dashed_line(&[from, to], Stroke::new(1.0, color), 4.0, 3.0));
     };
     if let Some(target) = curve.target {
         let y = axes.place(1.0, target).y;
-        dashed(pos2(plot.left(), y), pos2(plot.right(), y), theme::GOOD);
+        dashed(pos2(plot.left(), y), pos2(plot.right(), y), theme::ON_PICTURE.good);
         let text = format!("{} %", percent(target));
-        painter.text(pos2(plot.left() + 3.0, y - 1.0), Align2::LEFT_BOTTOM, text, font, theme::GOOD);
+        painter.text(pos2(plot.left() + 3.0, y - 1.0), Align2::LEFT_BOTTOM, text, font, theme::ON_PICTURE.good);
     }
     let places: Vec<Pos2> = curve.points.iter().map(|p| axes.place(p.seconds, p.relmse)).collect();
     if let (Some(prediction), Some(target), Some(last)) = (curve.prediction, curve.target, curve.points.last()) {
         let end = axes.place(prediction.seconds, target);
-        dashed(axes.place(last.seconds, curve.line.relmse_at(last.seconds)), end, theme::TEXT);
+        dashed(axes.place(last.seconds, curve.line.relmse_at(last.seconds)), end, theme::ON_PICTURE.text);
         let [low, high] = [prediction.low, prediction.high].map(|seconds| axes.place(seconds, target).x);
-        painter.hline(low..=high, end.y, Stroke::new(3.0, theme::GOOD));
-        painter.circle(end, 3.5, Color32::BLACK, Stroke::new(1.5, theme::GOOD));
+        painter.hline(low..=high, end.y, Stroke::new(3.0, theme::ON_PICTURE.good));
+        painter.circle(end, 3.5, Color32::BLACK, Stroke::new(1.5, theme::ON_PICTURE.good));
     }
     if let Some(last) = places.last() {
-        painter.circle_filled(*last, 3.0, theme::ACCENT);
+        painter.circle_filled(*last, 3.0, theme::ON_PICTURE.accent);
     }
-    painter.line(places, Stroke::new(1.5, theme::ACCENT));
+    painter.line(places, Stroke::new(1.5, theme::ON_PICTURE.accent));
 }
 
 /// Seconds to the right, error upwards.
@@ -169,11 +169,11 @@ impl Axes {
         for tick in self.seconds.ticks() {
             let x = plot.left() + self.seconds.share(tick) * plot.width();
             painter.vline(x, plot.y_range(), grid);
-            let galley = painter.layout_no_wrap(number::format(tick, 1), font.clone(), theme::WEAK);
+            let galley = painter.layout_no_wrap(number::format(tick, 1), font.clone(), theme::ON_PICTURE.weak);
             let left = x - 0.5 * galley.size().x;
             if left > end + 5.0 {
                 end = left + galley.size().x;
-                painter.galley(pos2(left, plot.bottom() + 3.0), galley, theme::WEAK);
+                painter.galley(pos2(left, plot.bottom() + 3.0), galley, theme::ON_PICTURE.weak);
             }
         }
         let mut end = f32::INFINITY;
@@ -183,7 +183,7 @@ impl Axes {
             if y < end - LINE {
                 end = y;
                 let place = pos2(plot.left() - 5.0, y);
-                painter.text(place, Align2::RIGHT_CENTER, number::format(tick, 1), font.clone(), theme::WEAK);
+                painter.text(place, Align2::RIGHT_CENTER, number::format(tick, 1), font.clone(), theme::ON_PICTURE.weak);
             }
         }
     }

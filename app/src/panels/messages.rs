@@ -1,6 +1,8 @@
 //! Messages over the viewport's upper left corner: what failed, what was strange, what went well. They never move anything.
 
-use crate::theme;
+use crate::theme::{self, Palette};
+use std::collections::VecDeque;
+
 use egui::{Align2, Area, Color32, Frame, Id, Label, Layout, Margin, Order, Rect, RichText, Ui, vec2};
 
 /// How much a message matters.
@@ -29,6 +31,8 @@ pub struct Message {
 const INFO_SECONDS: f64 = 6.0;
 /// Messages shown at once.
 const MAX_SHOWN: usize = 5;
+/// Messages in the log.
+const MAX_LOGGED: usize = 1000;
 
 /// The messages that were not dismissed.
 #[derive(Clone, Debug, Default)]
@@ -36,12 +40,15 @@ pub struct Messages {
     list: Vec<Message>,
     /// The newest information, which stays in the status line.
     last_info: String,
+    /// Everything that was said, oldest first.
+    log: VecDeque<(Severity, String)>,
 }
 
 impl Messages {
     /// Something was done. Shown in the status line.
     pub fn info(&mut self, text: impl Into<String>) {
         self.last_info = text.into();
+        self.note(Severity::Info, self.last_info.clone());
     }
 
     /// Something is strange.
@@ -59,7 +66,15 @@ impl Messages {
         self.push(Severity::Info, text.into());
     }
 
+    fn note(&mut self, severity: Severity, text: String) {
+        self.log.push_back((severity, text));
+        if self.log.len() > MAX_LOGGED {
+            self.log.pop_front();
+        }
+    }
+
     fn push(&mut self, severity: Severity, text: String) {
+        self.note(severity, text.clone());
         self.list.retain(|message| message.text != text);
         self.list.push(Message { severity, text, since: None });
     }
@@ -114,12 +129,32 @@ impl Messages {
     }
 }
 
+fn look(severity: Severity, palette: &Palette) -> (Color32, &'static str) {
+    match severity {
+        Severity::Info => (palette.text, "ℹ"),
+        Severity::Warning => (palette.warning, "⚠"),
+        Severity::Error => (palette.error, "⊗"),
+    }
+}
+
+/// Shows everything that was said, newest first.
+pub fn show_log(ui: &mut Ui, messages: &mut Messages) {
+    let count = messages.log.len();
+    let height = ui.text_style_height(&egui::TextStyle::Body);
+    egui::ScrollArea::vertical().auto_shrink([false, false]).show_rows(ui, height, count, |ui, rows| {
+        for row in rows {
+            let Some((severity, text)) = messages.log.get(count - 1 - row) else { continue };
+            let (color, icon) = look(*severity, theme::now());
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(icon).color(color));
+                ui.add(Label::new(text).truncate()).on_hover_text(text);
+            });
+        }
+    });
+}
+
 fn show_one(ui: &mut Ui, index: usize, message: &Message, dismissed: &mut Option<usize>) {
-    let (color, icon) = match message.severity {
-        Severity::Info => (theme::TEXT, "ℹ"),
-        Severity::Warning => (theme::WARNING, "⚠"),
-        Severity::Error => (theme::ERROR, "⊗"),
-    };
+    let (color, icon) = look(message.severity, theme::ON_PICTURE);
     Frame::new()
         .fill(Color32::from_black_alpha(215))
         .stroke((1.0, color.gamma_multiply(0.5)))
@@ -132,7 +167,7 @@ fn show_one(ui: &mut Ui, index: usize, message: &Message, dismissed: &mut Option
                 let text_width = (ui.available_width() - 30.0).max(60.0);
                 ui.allocate_ui_with_layout(vec2(text_width, 0.0), Layout::top_down(egui::Align::Min), |ui| {
                     ui.set_width(text_width);
-                    ui.add(Label::new(RichText::new(&message.text).color(theme::TEXT)).wrap());
+                    ui.add(Label::new(RichText::new(&message.text).color(theme::ON_PICTURE.text)).wrap());
                 });
                 let button = ui.add(egui::Button::new("×").frame_when_inactive(false));
                 if button.accessible_name(format!("Dismiss message {}", index + 1)).clicked() {

@@ -2,9 +2,16 @@
 
 pub mod axis;
 pub mod chart;
+pub mod explain;
+pub mod help;
+pub mod history;
 pub mod messages;
+pub mod palette;
+pub mod preferences;
 pub mod presets;
 pub mod properties;
+pub mod property_page;
+pub mod reference;
 pub mod stability;
 pub mod status;
 pub mod viewport;

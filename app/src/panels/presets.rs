@@ -55,8 +55,6 @@ fn known_color(material: &Material) -> [f64; 3] {
 impl PresetPanel {
     /// Shows the list; the preset that was clicked.
     pub fn show(&mut self, ui: &mut Ui, current_name: &str) -> Option<&'static Preset> {
-        ui.add_space(2.0);
-        ui.label(RichText::new("Presets").heading());
         search_field(ui, &mut self.filter, "Filter presets", "Filter by name or tag");
         ui.add_space(2.0);
         let mut clicked = None;
@@ -75,7 +73,7 @@ impl PresetPanel {
             for group in groups {
                 let in_group =
                     || entries().iter().filter(|e| e.preset.group == group && found.iter().any(|p| std::ptr::eq(*p, e.preset)));
-                let title = RichText::new(burnish_presets::group_title(group)).color(theme::WEAK);
+                let title = RichText::new(burnish_presets::group_title(group)).color(theme::now().weak);
                 let mut list = |ui: &mut Ui| {
                     for entry in in_group() {
                         if row(ui, entry, entry.preset.name == current_name) {
@@ -110,7 +108,7 @@ fn row(ui: &mut Ui, entry: &Entry, is_current: bool) -> bool {
         let sheen = if entry.is_metal { 170 } else { 60 };
         ui.painter().circle_filled(center - vec2(2.0, 2.2), 1.7, Color32::from_white_alpha(sheen));
         let text_rect = rect.with_min_x(rect.left() + 27.0);
-        let color = if is_current { visuals.text_color() } else { theme::TEXT };
+        let color = if is_current { visuals.text_color() } else { theme::now().text };
         let mut inner =
             ui.new_child(egui::UiBuilder::new().max_rect(text_rect).layout(egui::Layout::left_to_right(egui::Align::Center)));
         // The row carries the name for readers; the label is its picture only.

@@ -2,12 +2,15 @@
 //! file says about the material as a whole.
 
 use crate::editor::Document;
+use crate::small_pictures::SmallPictures;
 use crate::theme;
 use crate::widgets::number;
 use crate::widgets::number_field::NumberField;
 use crate::widgets::search_field::search_field;
-use crate::widgets::value_edit::{LABEL_WIDTH, Row, RowAction, value_edit};
-use burnish_material::{Group, LOBES, LobeSet, Material, PROPERTIES, Property, PropertyDef, Slot, ValueSource};
+use crate::widgets::value_edit::{GUTTER, LABEL_WIDTH, Row, RowAction, value_edit};
+use burnish_material::{
+    Finding, Group, LOBES, LobeSet, Material, PROPERTIES, Property, PropertyDef, Severity, Slot, ValueSource, check,
+};
 use egui::text::LayoutJob;
 use egui::{CollapsingHeader, FontId, Rect, RichText, ScrollArea, TextEdit, TextFormat, Ui};
 use std::collections::BTreeMap;
@@ -21,16 +24,32 @@ pub struct PropertyPanel {
     /// What the file says about the sources of values, read again when the document comes from another file.
     sources: BTreeMap<&'static str, ValueSource>,
     sources_of: Option<Document>,
+    /// What is odd about the values, found anew when they change.
+    findings: Vec<Finding>,
+    findings_of: Option<Material>,
+    /// The row that is to be brought into sight.
+    sought: Option<Property>,
 }
 
 impl PropertyPanel {
     /// Shows the panel and edits the document's material in place.
-    pub fn show(&mut self, ui: &mut Ui, document: &mut Document) -> Option<RowAction> {
+    ///
+    /// `other` is what it is compared with, for marks; `small` has pictures of its maps.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        document: &mut Document,
+        other: Option<&Material>,
+        small: &mut SmallPictures,
+    ) -> Option<RowAction> {
         self.read_sources(document);
+        if self.findings_of.as_ref() != Some(&document.material) {
+            self.findings = check(&document.material);
+            self.findings.retain(|finding| finding.severity == Severity::Warning);
+            self.findings_of = Some(document.material.clone());
+        }
         self.rows.clear();
         let mut action = None;
-        ui.add_space(2.0);
-        ui.label(RichText::new("Properties").heading());
         search_field(ui, &mut self.search, "Search properties", "Search the three names");
         ui.add_space(2.0);
         let query = self.search.trim().to_lowercase();
@@ -51,14 +70,14 @@ impl PropertyPanel {
                 let title = group_title(group, &document.material);
                 let mut body = |ui: &mut Ui| {
                     for &def in &rows {
-                        action = self.row(ui, def, document, lobes).or(action);
+                        action = self.row(ui, def, document, lobes, other, small).or(action);
                     }
                     ui.add_space(4.0);
                 };
                 if query.is_empty() {
                     CollapsingHeader::new(title).id_salt(group.title()).default_open(true).show_unindented(ui, body);
                 } else {
-                    ui.label(RichText::new(group.title()).color(theme::WEAK));
+                    ui.label(RichText::new(group.title()).color(theme::now().weak));
                     body(ui);
                 }
             }
@@ -69,26 +88,49 @@ impl PropertyPanel {
         action
     }
 
-    fn row(&mut self, ui: &mut Ui, def: &'static PropertyDef, document: &mut Document, lobes: LobeSet) -> Option<RowAction> {
-        let old = document.material.slot(def.id);
-        let is_map_loaded = old.texture.as_ref().is_none_or(|texture| document.textures.contains_key(&texture.path));
-        let unreadable = document.file().unreadable().iter().find(|unreadable| unreadable.property == def.id).cloned();
+    fn row(
+        &mut self,
+        ui: &mut Ui,
+        def: &'static PropertyDef,
+        document: &mut Document,
+        lobes: LobeSet,
+        other: Option<&Material>,
+        small: &mut SmallPictures,
+    ) -> Option<RowAction> {
+        let texture = document.material.slot(def.id).texture.as_ref();
+        let image = texture.and_then(|texture| Some((texture, document.textures.get(&texture.path)?)));
+        let is_map_loaded = texture.is_none() || image.is_some();
+        let thumbnail = image.and_then(|(texture, image)| small.map(ui.ctx(), &texture.path, image, texture.channel));
+        let file = document.file_shared();
         let row = Row {
             unit_mm: document.material.unit_mm(),
             without_effect: without_effect(def.id, lobes),
-            unreadable: unreadable.as_ref(),
+            unreadable: file.unreadable().iter().find(|unreadable| unreadable.property == def.id),
             source: self.sources.get(def.name),
+            opened: Some(file.material().slot(def.id)),
+            other: other.map(|material| material.slot(def.id)),
+            cue: self.findings.iter().find(|finding| finding.property == Some(def.id)).map(|finding| finding.message.as_str()),
+            thumbnail,
             is_map_loaded,
         };
-        let (response, action) = value_edit(ui, def, document.material.slot_mut(def.id), &row);
+        let (response, action) = value_edit(ui, def, &mut document.material, &row);
+        if self.sought == Some(def.id) {
+            self.sought = None;
+            response.scroll_to_me(Some(egui::Align::Center));
+        }
         self.rows.push((def.id, response.rect.intersect(ui.clip_rect())));
         action
     }
 
-    /// The property whose row is at a place of the window, if it can have a map.
-    pub fn map_row_at(&self, place: egui::Pos2) -> Option<Property> {
-        let (property, _) = self.rows.iter().find(|(_, rect)| rect.contains(place))?;
-        (property.def().vary != burnish_material::Vary::Uniform).then_some(*property)
+    /// The property whose row is at a place of the window.
+    pub fn row_at(&self, place: egui::Pos2) -> Option<Property> {
+        self.rows.iter().find(|(_, rect)| rect.contains(place)).map(|(property, _)| *property)
+    }
+
+    /// Brings the row of a property into sight.
+    pub fn go_to(&mut self, property: Property) {
+        self.search.clear();
+        self.sought = Some(property);
     }
 
     fn read_sources(&mut self, document: &Document) {
@@ -115,9 +157,9 @@ fn group_title(group: Group, material: &Material) -> LayoutJob {
     let count = PROPERTIES.iter().filter(|def| def.group == group && *material.slot(def.id) != Slot::default()).count();
     let mut job = LayoutJob::default();
     let format = |size, color| TextFormat { font_id: FontId::proportional(size), color, ..Default::default() };
-    job.append(group.title(), 0.0, format(13.5, egui::Color32::from_gray(230)));
+    job.append(group.title(), 0.0, format(13.5, theme::now().strong));
     if count > 0 {
-        job.append(&format!("{count} set"), 8.0, format(11.5, theme::ACCENT));
+        job.append(&format!("{count} set"), 8.0, format(11.5, theme::now().accent));
     }
     job
 }
@@ -126,25 +168,22 @@ fn group_title(group: Group, material: &Material) -> LayoutJob {
 fn about(ui: &mut Ui, document: &mut Document) {
     let unknown = document.file().unknown_keys().len();
     let material = &mut document.material;
-    CollapsingHeader::new(RichText::new("Material").color(egui::Color32::from_gray(230))).default_open(true).show_unindented(
-        ui,
-        |ui| {
-            text_row(ui, "Name", &mut material.name, false);
-            ui.horizontal(|ui| {
-                label(ui, "Unit of lengths").on_hover_text(
-                    "How large one unit of this material's lengths is. Absorption, scattering and height distances are lengths.",
-                );
-                let old = material.unit_mm();
-                if let Some(new) =
-                    (NumberField { range: 1e-6..=1e9, ..NumberField::plain("Unit of lengths", 70.0, old * 0.01) }).show(ui, old)
-                {
-                    material.unit_mm = Some(new);
-                }
-                ui.label(RichText::new(format!("mm    1 unit = {} mm", number::format(old, 4))).small().weak());
-            });
-        },
-    );
-    let title = RichText::new("Notes and sources").color(theme::WEAK);
+    CollapsingHeader::new(RichText::new("Material").color(theme::now().strong)).default_open(true).show_unindented(ui, |ui| {
+        text_row(ui, "Name", &mut material.name, false);
+        ui.horizontal(|ui| {
+            label(ui, "Unit of lengths").on_hover_text(
+                "How large one unit of this material's lengths is. Absorption, scattering and height distances are lengths.",
+            );
+            let old = material.unit_mm();
+            if let Some(new) =
+                (NumberField { range: 1e-6..=1e9, ..NumberField::plain("Unit of lengths", 70.0, old * 0.01) }).show(ui, old)
+            {
+                material.unit_mm = Some(new);
+            }
+            ui.label(RichText::new(format!("mm    1 unit = {} mm", number::format(old, 4))).small().weak());
+        });
+    });
+    let title = RichText::new("Notes and sources").color(theme::now().weak);
     CollapsingHeader::new(title).id_salt("notes").default_open(false).show_unindented(ui, |ui| {
         tags_row(ui, &mut material.tags);
         text_row(ui, "Notes", &mut material.notes, true);
@@ -160,10 +199,10 @@ fn about(ui: &mut Ui, document: &mut Document) {
 }
 
 fn label(ui: &mut Ui, text: &str) -> egui::Response {
-    let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+    let size = egui::vec2(GUTTER + LABEL_WIDTH, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-        ui.set_width(LABEL_WIDTH);
-        ui.label(RichText::new(text).color(theme::TEXT.gamma_multiply(0.8)))
+        ui.set_width(GUTTER + LABEL_WIDTH);
+        ui.label(RichText::new(text).color(theme::now().text.gamma_multiply(0.8)))
     })
     .inner
 }

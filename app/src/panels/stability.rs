@@ -13,8 +13,8 @@ pub fn show(ui: &mut Ui, state: &State) -> Option<Fix> {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Stability").strong());
         match state {
-            State::Waiting => line(ui, theme::WEAK, "waiting for the material to rest"),
-            State::Running(None) => line(ui, theme::WEAK, "probing angles, extremes and small pictures"),
+            State::Waiting => line(ui, theme::now().weak, "waiting for the material to rest"),
+            State::Running(None) => line(ui, theme::now().weak, "probing angles, extremes and small pictures"),
             State::Running(Some(progress)) => {
                 let text = format!("{} of {} cases, {:.0} s left", progress.done, progress.total, progress.remaining_seconds);
                 let share = progress.done as f32 / progress.total.max(1) as f32;
@@ -30,23 +30,25 @@ pub fn show(ui: &mut Ui, state: &State) -> Option<Fix> {
     let mut chosen = None;
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         if let Some(own) = outcome.reports.first() {
-            ui.add(Label::new(RichText::new(numbers(own)).small().color(theme::TEXT)).wrap());
+            ui.add(Label::new(RichText::new(numbers(own)).small().color(theme::now().text)).wrap());
         }
         for fix in &outcome.fixes {
             ui.horizontal_wrapped(|ui| {
                 if ui.add(Button::new(&fix.name)).on_hover_text(&fix.reason).clicked() {
                     chosen = Some(fix.clone());
                 }
-                ui.label(RichText::new(&fix.reason).small().color(theme::WEAK));
+                ui.label(RichText::new(&fix.reason).small().color(theme::now().weak));
             });
         }
         let failed: Vec<&Report> = outcome.reports.iter().filter(|report| !report.holds()).collect();
         for report in failed.iter().take(MAX_SHOWN) {
             let text = format!("⚠ {}: {}", report.name, report.worst);
-            ui.add(Label::new(RichText::new(text).small().color(theme::WARNING)).wrap());
+            ui.add(Label::new(RichText::new(text).small().color(theme::now().warning)).wrap());
         }
         if failed.len() > MAX_SHOWN {
-            ui.label(RichText::new(format!("{} more cases do not hold", failed.len() - MAX_SHOWN)).small().color(theme::WEAK));
+            ui.label(
+                RichText::new(format!("{} more cases do not hold", failed.len() - MAX_SHOWN)).small().color(theme::now().weak),
+            );
         }
     });
     chosen
@@ -58,16 +60,16 @@ fn line(ui: &mut Ui, color: Color32, text: &str) {
 
 /// One sentence: whether the material holds, and whether what a slider can reach does.
 pub fn verdict(outcome: &Outcome) -> (Color32, String) {
-    let Some((own, others)) = outcome.reports.split_first() else { return (theme::WEAK, "nothing was probed".into()) };
+    let Some((own, others)) = outcome.reports.split_first() else { return (theme::now().weak, "nothing was probed".into()) };
     let failed = others.iter().filter(|report| !report.holds()).count();
     let at_ends = match failed {
         0 => format!("and so it does at {} ends of its properties", others.len()),
         _ => format!("but not at {failed} of {} ends of its properties", others.len()),
     };
     if own.holds() {
-        (if failed == 0 { theme::GOOD } else { theme::WARNING }, format!("✔ This material holds, {at_ends}."))
+        (if failed == 0 { theme::now().good } else { theme::now().warning }, format!("✔ This material holds, {at_ends}."))
     } else {
-        (theme::ERROR, format!("⊗ This material does not hold: {}.", own.worst))
+        (theme::now().error, format!("⊗ This material does not hold: {}.", own.worst))
     }
 }
 

@@ -1,10 +1,11 @@
-//! The status line and the strip of lobes: what was done last, what is being loaded, how far the picture is.
+//! The status line and the strip of lobes: what was done last, what is being worked at, how far the picture is.
 
 use crate::live_costs::Costs;
 use crate::panels::chart::{duration, percent};
 use crate::switches::switched_by;
 use crate::theme;
 use crate::widgets::number;
+use crate::work::{Ends, Work};
 use burnish_material::{LOBES, Lobe, LobeSet, Material};
 use burnish_renderer::path::{Convergence, SPP_MAX, StopReason, StopRules};
 use burnish_renderer::preview::FrameTimes;
@@ -14,8 +15,8 @@ use egui::{Color32, FontId, Label, Layout, Rect, RichText, Role, Sense, StrokeKi
 /// What the status line says.
 #[derive(Clone, Debug, Default)]
 pub struct Status {
-    /// What is being loaded.
-    pub loading: Option<String>,
+    /// What is being worked at, the most telling first.
+    pub work: Vec<Work>,
     /// What was done last.
     pub info: String,
     /// How far the picture is.
@@ -24,25 +25,56 @@ pub struct Status {
     pub details: String,
 }
 
-/// Shows the line.
-pub fn show(ui: &mut Ui, status: &Status) {
+/// Shows the line. What the user wants to end.
+pub fn show(ui: &mut Ui, status: &Status) -> Option<Ends> {
+    let mut ended = None;
     ui.horizontal_centered(|ui| {
         ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
-            let picture = ui.add(Label::new(RichText::new(&status.picture).small().color(theme::TEXT)).selectable(false));
+            let picture = ui.add(Label::new(RichText::new(&status.picture).small().color(theme::now().text)).selectable(false));
             if !status.details.is_empty() {
                 picture.on_hover_text(&status.details);
             }
-            ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| match &status.loading {
-                Some(text) => {
+            ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| {
+                if let Some(first) = status.work.first() {
+                    let more = if status.work.len() > 1 { format!("  + {} more", status.work.len() - 1) } else { String::new() };
                     ui.add(egui::Spinner::new().size(12.0));
-                    ui.add(Label::new(RichText::new(text).small().color(theme::ACCENT)).truncate());
+                    let text = RichText::new(format!("{}{more}", first.text)).small().color(theme::now().accent);
+                    let button = ui.add(egui::Button::new(text).frame_when_inactive(false).small());
+                    button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Work: {}", first.text)));
+                    let button = button.on_hover_text("What is being worked at; click to see all of it and to end it");
+                    egui::Popup::menu(&button)
+                        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
+                        .show(|ui| ended = work_list(ui, &status.work));
                 }
-                None => {
-                    ui.add(Label::new(RichText::new(&status.info).small().color(theme::WEAK)).truncate());
-                }
+                ui.add(Label::new(RichText::new(&status.info).small().color(theme::now().weak)).truncate());
             });
         });
     });
+    ended
+}
+
+fn work_list(ui: &mut Ui, list: &[Work]) -> Option<Ends> {
+    let mut ended = None;
+    ui.set_min_width(320.0);
+    for work in list {
+        ui.horizontal(|ui| {
+            ui.label(&work.text);
+            ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
+                if let Some(ends) = work.ends
+                    && ui.small_button("End").accessible_name(format!("End {}", work.text)).clicked()
+                {
+                    ended = Some(ends);
+                }
+                if let Some(remaining) = work.remaining {
+                    ui.label(RichText::new(format!("about {} yet", duration(remaining))).small().weak());
+                }
+            });
+        });
+        if let Some(progress) = work.progress {
+            ui.add(egui::ProgressBar::new(progress).desired_height(4.0));
+        }
+    }
+    ended
 }
 
 /// How far a final picture is: what ended it or will, samples, error, time and speed.
@@ -115,6 +147,11 @@ fn ended(reason: StopReason, stop: &StopRules) -> String {
 
 /// The rule that will end a picture first, and when. `None` as long as nothing can be told.
 fn forecast(snapshot: &Snapshot, stop: &StopRules) -> Option<String> {
+    end(snapshot, stop).map(|(_, text)| text)
+}
+
+/// The second at which a picture will end, and the rule that ends it.
+pub fn end(snapshot: &Snapshot, stop: &StopRules) -> Option<(f64, String)> {
     let now = snapshot.seconds;
     let mut ends: Vec<(f64, String)> = Vec::new();
     if let Some(end) = stop.seconds {
@@ -134,7 +171,7 @@ fn forecast(snapshot: &Snapshot, stop: &StopRules) -> Option<String> {
         // Before there is a line, any other rule may come second.
         return None;
     }
-    ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, text)| text)
+    ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Which values put a lobe in or out. Finding that out tries many materials: the answer is kept while the same chip is pointed at.
@@ -168,9 +205,9 @@ pub fn lobe_strip(ui: &mut Ui, material: &Material, costs: &Costs) -> bool {
         for def in LOBES {
             let is_in = lobes.has(def.lobe);
             let (fill, stroke, color) = if is_in {
-                (Color32::from_rgb(72, 56, 36), theme::ACCENT.gamma_multiply(0.55), Color32::from_gray(225))
+                (theme::now().selection.gamma_multiply(0.6), theme::now().accent.gamma_multiply(0.55), theme::now().strong)
             } else {
-                (Color32::TRANSPARENT, Color32::from_gray(62), Color32::from_gray(112))
+                (Color32::TRANSPARENT, theme::now().line, theme::now().weak)
             };
             let name = def.name.replace('_', " ");
             let state = if is_in { "in use" } else { "left out" };

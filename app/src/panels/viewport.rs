@@ -2,16 +2,22 @@
 
 use crate::command::Command;
 use crate::editor::{Editor, View, ViewMode};
+use crate::keymap::Keymap;
+use crate::live_debug::{Choice, LiveDebug};
 use crate::loading::Job;
 use crate::panels::chart::{self, ErrorCurve};
 use crate::panels::wipe;
+use crate::preferences::MouseScheme;
+use crate::small_pictures::SmallPictures;
 use crate::theme;
+use crate::thumbnails::Key;
+use crate::widgets::number_field::NumberField;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_renderer::path::StopRules;
 use burnish_renderer::tonemap::DisplayTransform;
 use egui::{
-    Align2, Color32, ComboBox, DragValue, FontId, Label, PointerButton, Rect, Response, RichText, Role, Sense, Slider,
-    SliderClamping, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Align2, Color32, ComboBox, DragValue, FontId, Grid, Label, Modifiers, PointerButton, Popup, Rect, Response, RichText, Role,
+    Sense, Slider, SliderClamping, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// What the toolbar asks for.
@@ -22,11 +28,29 @@ pub enum Wish {
     Load(Job),
 }
 
+/// What the toolbar needs to know beside the editor.
+pub struct Tools<'a> {
+    /// Whether there is a preview.
+    pub has_preview: bool,
+    /// Whether there is a stored side.
+    pub has_side: bool,
+    /// Keys for the tooltips.
+    pub keymap: &'a Keymap,
+    /// Pictures of meshes and lights.
+    pub small: &'a mut SmallPictures,
+    /// What is shown instead of the material.
+    pub debug: &'a mut LiveDebug,
+}
+
 /// Shows the toolbar: which view, on what, in which light, how bright.
-pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wish> {
+pub fn toolbar(ui: &mut Ui, editor: &mut Editor, tools: &mut Tools) -> Option<Wish> {
     let mut wish = None;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 4.0);
+        let hint = |command: Command| {
+            let keys = tools.keymap.shown(command);
+            if keys.is_empty() { command.tooltip().to_owned() } else { format!("{}\nkey {keys}", command.tooltip()) }
+        };
         for (mode, name) in ViewMode::ALL {
             let command = match mode {
                 ViewMode::Preview => Command::ShowPreview,
@@ -35,65 +59,130 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, has_preview: bool) -> Option<Wi
                 ViewMode::Wipe => Command::ShowWipe,
                 ViewMode::Difference => Command::ShowDifference,
             };
-            let is_possible = has_preview || !mode.has_preview() || mode == ViewMode::Preview;
+            let is_possible = tools.has_preview || !mode.has_preview() || mode == ViewMode::Preview;
             let button = ui.add_enabled(is_possible, egui::Button::selectable(editor.view.mode == mode, name));
-            let keys = command.shortcuts().first().map_or_else(String::new, |keys| ui.ctx().format_shortcut(keys));
-            let button = button.on_hover_text(format!("{}\nkey {keys}; \\ switches", command.tooltip()));
+            let button = button.on_hover_text(hint(command));
             if button.on_disabled_hover_text("There is no usable GPU for the preview.").clicked() {
                 wish = Some(Wish::Command(command));
             }
         }
+        let button = ui.add_enabled(tools.has_side, egui::Button::selectable(editor.view.compares_sides, "A/B"));
+        button.widget_info(|| {
+            WidgetInfo::selected(Role::Button, tools.has_side, editor.view.compares_sides, "Compare sides A and B")
+        });
+        let button = button.on_hover_text(hint(Command::CompareSides));
+        if button.on_disabled_hover_text(format!("Store a side first. {}", hint(Command::StoreSide))).clicked() {
+            wish = Some(Wish::Command(Command::CompareSides));
+        }
+        debug_menu(ui, tools.debug);
         ui.separator();
 
         let mesh = editor.model.as_ref().map_or("…", |model| model.name.as_str());
-        let combo = ComboBox::from_id_salt("mesh").width(88.0).truncate().selected_text(mesh).show_ui(ui, |ui| {
-            for def in SHAPES {
-                if ui.selectable_label(mesh == def.label, def.label).clicked() {
-                    wish = Some(Wish::Load(Job::Shape(def.name)));
-                }
-            }
-            ui.separator();
-            if ui.button(Command::LoadModel.text()).clicked() {
-                wish = Some(Wish::Command(Command::LoadModel));
-            }
-        });
-        combo
-            .response
-            .accessible_name("Mesh")
-            .on_hover_text("What carries the material; drop a .gltf, .glb or .ply for your own");
-
+        let all = SHAPES.iter().map(|def| (Key::Shape(def.name), def.label, Job::Shape(def.name)));
+        let tip = "What carries the material; drop a .gltf, .glb or .ply for your own";
+        wish = scene_menu(ui, "Mesh", mesh, tip, all, Command::LoadModel, tools.small).or(wish.take());
         let light = editor.environment.as_ref().map_or("…", |environment| environment.name.as_str());
-        let combo = ComboBox::from_id_salt("environment").width(88.0).truncate().selected_text(light).show_ui(ui, |ui| {
-            for def in ENVIRONMENTS {
-                if ui.selectable_label(light == def.label, def.label).clicked() {
-                    wish = Some(Wish::Load(Job::BuiltInEnvironment(def.name)));
-                }
-            }
-            ui.separator();
-            if ui.button(Command::LoadEnvironment.text()).clicked() {
-                wish = Some(Wish::Command(Command::LoadEnvironment));
-            }
-        });
-        combo.response.accessible_name("Environment").on_hover_text("What lights the scene; drop an .hdr or .exr for your own");
+        let all = ENVIRONMENTS.iter().map(|def| (Key::Environment(def.name), def.label, Job::BuiltInEnvironment(def.name)));
+        let tip = "What lights the scene; drop an .hdr or .exr for your own";
+        wish = scene_menu(ui, "Environment", light, tip, all, Command::LoadEnvironment, tools.small).or(wish.take());
         let view = &mut editor.view;
-        let rotation = DragValue::new(&mut view.environment_deg).suffix("°").speed(1.0).max_decimals(0).clip_text(true);
-        ui.add(rotation)
-            .accessible_name("Environment rotation")
-            .on_hover_text("Rotation of the environment\nShift + right drag in the picture turns it too");
+        let field =
+            NumberField { format: |x| format!("{x:.0}°"), step: 15.0, ..NumberField::plain("Environment rotation", 44.0, 1.0) };
+        // Within a size of its own, so that it goes to the next line where it does not fit.
+        let size = vec2(44.0, ui.spacing().interact_size.y);
+        if let Some(new) = ui.allocate_ui(size, |ui| field.show(ui, f64::from(view.environment_deg))).inner {
+            view.environment_deg = (new as f32).rem_euclid(360.0);
+        }
         ui.separator();
 
         display_controls(ui, view);
-        let command = Command::ToggleBloom;
         let button = ui.add_enabled(view.mode == ViewMode::Preview, egui::Button::selectable(view.is_bloom_on, "Bloom"));
-        let button = button.on_hover_text(command.tooltip());
+        let button = button.on_hover_text(hint(Command::ToggleBloom));
         if button.on_disabled_hover_text("Off where pictures are compared: only the preview has it.").clicked() {
-            wish = Some(Wish::Command(command));
+            wish = Some(Wish::Command(Command::ToggleBloom));
         }
-        let command = Command::ToggleDenoise;
         let button = ui.add_enabled(view.mode.has_final(), egui::Button::selectable(view.is_denoise_on, "Denoise"));
-        let button = button.on_hover_text(format!("{}\nkey D", command.tooltip()));
+        let button = button.on_hover_text(hint(Command::ToggleDenoise));
         if button.on_disabled_hover_text("The final view is not shown.").clicked() {
-            wish = Some(Wish::Command(command));
+            wish = Some(Wish::Command(Command::ToggleDenoise));
+        }
+    });
+    wish
+}
+
+fn debug_menu(ui: &mut Ui, debug: &mut LiveDebug) {
+    let shown = debug.choice().map_or("Material", Choice::label);
+    let combo = ComboBox::from_id_salt("debug").width(76.0).truncate().selected_text(shown).show_ui(ui, |ui| {
+        if ui.selectable_label(debug.choice().is_none(), "Material").clicked() {
+            debug.end();
+        }
+        for choice in Choice::all() {
+            if ui.selectable_label(debug.choice() == Some(choice), choice.label()).on_hover_text(choice.doc()).clicked() {
+                debug.set(Some(choice));
+            }
+        }
+    });
+    let tip = "What is shown: the material, or what it is made of";
+    combo.response.accessible_name("Debug view").on_hover_text(tip);
+    let is_explaining = debug.is_explaining();
+    let button = ui.add(egui::Button::selectable(is_explaining, "Explain"));
+    if button.on_hover_text(Command::ExplainPixel.tooltip()).clicked() {
+        debug.toggle_explaining();
+    }
+}
+
+/// A choice among pictures of what is built in.
+fn scene_menu(
+    ui: &mut Ui,
+    name: &str,
+    shown: &str,
+    tip: &str,
+    all: impl Iterator<Item = (Key, &'static str, Job)>,
+    load: Command,
+    small: &mut SmallPictures,
+) -> Option<Wish> {
+    let mut wish = None;
+    let button = ui.add(egui::Button::new(format!("{shown} ⏷")).truncate());
+    button.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
+    let button = button.on_hover_text(tip);
+    Popup::menu(&button).show(|ui| {
+        Grid::new(name).num_columns(2).spacing(vec2(6.0, 6.0)).show(ui, |ui| {
+            for (index, (key, label, job)) in all.enumerate() {
+                let texture = small.built_in(ui.ctx(), key);
+                let size = vec2(112.0, 96.0);
+                let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+                response.widget_info(|| WidgetInfo::selected(Role::Button, true, label == shown, label));
+                let visuals = ui.style().interact_selectable(&response, label == shown);
+                ui.painter().rect(rect, 4, visuals.weak_bg_fill, visuals.bg_stroke, StrokeKind::Inside);
+                let room = Rect::from_min_size(rect.min + vec2(5.0, 5.0), vec2(102.0, 68.0));
+                if let Some(texture) = texture {
+                    let image = egui::Image::new((texture, room.size()));
+                    let shape = if name == "Mesh" { vec2(90.7, 68.0) } else { vec2(102.0, 51.0) };
+                    image.paint_at(ui, Rect::from_center_size(room.center(), shape));
+                } else {
+                    ui.painter().rect_filled(room, 2, theme::now().surround);
+                }
+                let font = egui::TextStyle::Small.resolve(ui.style());
+                ui.painter().text(
+                    pos2(rect.center().x, rect.bottom() - 5.0),
+                    Align2::CENTER_BOTTOM,
+                    label,
+                    font,
+                    visuals.text_color(),
+                );
+                if response.clicked() {
+                    wish = Some(Wish::Load(job));
+                    ui.close();
+                }
+                if index % 3 == 2 {
+                    ui.end_row();
+                }
+            }
+        });
+        ui.separator();
+        if ui.button(load.text()).clicked() {
+            wish = Some(Wish::Command(load));
+            ui.close();
         }
     });
     wish
@@ -162,8 +251,45 @@ impl Layout {
     }
 }
 
-/// Takes the rest of the panel and lets the mouse turn, shift and zoom. Returns what was allocated and how it is split.
-pub fn interact(ui: &mut Ui, editor: &mut Editor) -> (Response, Layout) {
+/// How the mouse moves the view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Motion {
+    Orbit,
+    Pan,
+    Zoom,
+    Light,
+}
+
+/// What a drag with a button does.
+fn motion(scheme: MouseScheme, button: PointerButton, modifiers: Modifiers) -> Option<Motion> {
+    use PointerButton::{Middle, Primary, Secondary};
+    let Modifiers { alt, shift, command, .. } = modifiers;
+    if button == Secondary && shift {
+        return Some(Motion::Light);
+    }
+    match (scheme, button) {
+        (MouseScheme::Designer, Primary) => Some(Motion::Orbit),
+        (MouseScheme::Designer, Middle) => Some(Motion::Pan),
+        (MouseScheme::Designer, Secondary) => Some(if command { Motion::Pan } else { Motion::Zoom }),
+        (MouseScheme::Maya, Primary) => alt.then_some(Motion::Orbit),
+        (MouseScheme::Maya, Middle) => alt.then_some(Motion::Pan),
+        (MouseScheme::Maya, Secondary) => alt.then_some(Motion::Zoom),
+        (MouseScheme::Blender, Middle) if shift => Some(Motion::Pan),
+        (MouseScheme::Blender, Middle) if command => Some(Motion::Zoom),
+        (MouseScheme::Blender, Middle) => Some(Motion::Orbit),
+        _ => None,
+    }
+}
+
+/// Takes the rest of the panel and lets the mouse turn, shift and zoom, unless it is `held` for something else. Returns what was allocated and
+/// how it is split.
+pub fn interact(
+    ui: &mut Ui,
+    editor: &mut Editor,
+    scheme: MouseScheme,
+    is_wheel_flipped: bool,
+    is_held: bool,
+) -> (Response, Layout) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Viewport"));
     let layout = Layout::of(rect, editor.view.mode);
@@ -173,32 +299,49 @@ pub fn interact(ui: &mut Ui, editor: &mut Editor) -> (Response, Layout) {
     let height = layout.picture_size().y.max(1.0);
     let view = &mut editor.view;
     let modifiers = ui.input(|i| i.modifiers);
-
     let delta = response.drag_delta() / height;
-    let is_turning_light = response.dragged_by(PointerButton::Secondary) && modifiers.shift;
-    if is_turning_light {
-        view.environment_deg = (view.environment_deg + 240.0 * delta.x).rem_euclid(360.0);
-        ui.set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
-    } else if response.dragged_by(PointerButton::Middle) || (response.dragged_by(PointerButton::Secondary) && modifiers.command) {
-        view.orbit.pan(delta.x, delta.y);
-        ui.set_cursor_icon(egui::CursorIcon::Move);
-    } else if response.dragged_by(PointerButton::Secondary) {
-        view.orbit.zoom(2.5 * (delta.x - delta.y));
-        ui.set_cursor_icon(egui::CursorIcon::ResizeVertical);
-    } else if response.dragged_by(PointerButton::Primary) {
-        view.orbit.turn(delta.x, delta.y);
-        ui.set_cursor_icon(egui::CursorIcon::Grabbing);
+    let buttons = [PointerButton::Primary, PointerButton::Middle, PointerButton::Secondary];
+    let held = buttons.into_iter().find(|button| response.dragged_by(*button)).filter(|_| !is_held);
+    match held.and_then(|button| motion(scheme, button, modifiers)) {
+        Some(Motion::Light) => {
+            view.environment_deg = (view.environment_deg + 240.0 * delta.x).rem_euclid(360.0);
+            ui.set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+        }
+        Some(Motion::Pan) => {
+            view.orbit.pan(delta.x, delta.y);
+            ui.set_cursor_icon(egui::CursorIcon::Move);
+        }
+        Some(Motion::Zoom) => {
+            view.orbit.zoom(2.5 * (delta.x - delta.y));
+            ui.set_cursor_icon(egui::CursorIcon::ResizeVertical);
+        }
+        Some(Motion::Orbit) => {
+            view.orbit.turn(delta.x, delta.y);
+            ui.set_cursor_icon(egui::CursorIcon::Grabbing);
+        }
+        None => {}
     }
     if response.hovered() {
-        let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
-        if scroll != 0.0 {
-            view.orbit.zoom(scroll * 0.0025);
-        }
-        if pinch != 1.0 && pinch > 0.0 {
-            view.orbit.zoom(pinch.ln());
-        }
+        scroll(ui, view, height, is_wheel_flipped);
     }
     (response, layout)
+}
+
+/// The wheel zooms; two fingers on a trackpad, which sends points and not lines, orbit, or pan with Shift; pinching zooms.
+fn scroll(ui: &Ui, view: &mut View, height: f32, is_wheel_flipped: bool) {
+    let (scroll, pinch, modifiers) = ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta(), i.modifiers));
+    let is_trackpad = ui.input(|i| {
+        i.events.iter().any(|event| matches!(event, egui::Event::MouseWheel { unit: egui::MouseWheelUnit::Point, .. }))
+    });
+    if is_trackpad {
+        let delta = scroll / height;
+        if modifiers.shift { view.orbit.pan(delta.x, delta.y) } else { view.orbit.turn(delta.x, delta.y) }
+    } else if scroll.y != 0.0 {
+        view.orbit.zoom(scroll.y * if is_wheel_flipped { -0.0025 } else { 0.0025 });
+    }
+    if pinch != 1.0 && pinch > 0.0 {
+        view.orbit.zoom(pinch.ln());
+    }
 }
 
 /// What the viewport needs to show one of its pictures.
@@ -230,7 +373,7 @@ pub enum WayOut {
 pub fn paint(ui: &mut Ui, whole: Rect, part: Rect, picture: &Picture, is_named: bool) -> Option<WayOut> {
     let rect = part.intersect(whole);
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0, theme::SURROUND);
+    painter.rect_filled(rect, 0, theme::now().surround);
     if let Some(problem) = picture.problem {
         return paint_problem(ui, rect, problem);
     }
@@ -239,7 +382,7 @@ pub fn paint(ui: &mut Ui, whole: Rect, part: Rect, picture: &Picture, is_named: 
             painter.image(texture, whole, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
         }
         None => {
-            painter.text(rect.center(), Align2::CENTER_CENTER, "preparing…", FontId::proportional(14.0), theme::WEAK);
+            painter.text(rect.center(), Align2::CENTER_CENTER, "preparing…", FontId::proportional(14.0), theme::ON_PICTURE.weak);
         }
     }
     let line = |text: String, color, bottom: f32| {
@@ -255,11 +398,11 @@ pub fn paint(ui: &mut Ui, whole: Rect, part: Rect, picture: &Picture, is_named: 
         bottom = line(picture.name.to_owned(), Color32::from_gray(225), bottom);
     }
     if let Some(label) = &picture.label {
-        bottom = line(label.clone(), theme::ACCENT, bottom);
+        bottom = line(label.clone(), theme::ON_PICTURE.accent, bottom);
     }
     bottom = bottom.min(rect.bottom() - picture.reserved);
     for note in &picture.notes {
-        bottom = line(format!("⚠ {note}"), theme::WARNING, bottom);
+        bottom = line(format!("⚠ {note}"), theme::ON_PICTURE.warning, bottom);
     }
     None
 }
@@ -270,9 +413,9 @@ fn paint_problem(ui: &mut Ui, rect: Rect, problem: &str) -> Option<WayOut> {
             .max_rect(Rect::from_center_size(rect.center(), vec2(rect.width().min(440.0), 156.0)))
             .layout(egui::Layout::top_down(egui::Align::Center)),
     );
-    inner.label(RichText::new("⚠ No usable GPU for the preview").size(16.0).color(theme::WARNING));
-    inner.add(Label::new(RichText::new(format!("Reason: {problem}.")).color(theme::TEXT)).wrap());
-    inner.label(RichText::new("The final view needs none and works on.").color(theme::TEXT));
+    inner.label(RichText::new("⚠ No usable GPU for the preview").size(16.0).color(theme::now().warning));
+    inner.add(Label::new(RichText::new(format!("Reason: {problem}.")).color(theme::now().text)).wrap());
+    inner.label(RichText::new("The final view needs none and works on.").color(theme::now().text));
     inner.add_space(6.0);
     let mut way = None;
     for (text, out) in [("Show final view", WayOut::ShowFinal), ("Try again", WayOut::TryAgain)] {
@@ -314,16 +457,41 @@ fn rule(ui: &mut Ui, name: &str, suffix: &str, value: &mut Option<f64>, (default
     });
 }
 
-/// Shows the error chart in the lower right corner of the final view.
-pub fn show_chart(ui: &Ui, rect: Rect, size: Vec2, curve: &ErrorCurve) {
-    chart::show(ui, Rect::from_min_size(rect.max - size - vec2(10.0, 10.0), size), curve);
+/// Shows the error chart over a panel.
+pub fn chart_pane(ui: &mut Ui, size: Vec2, curve: Option<&ErrorCurve>, has_final: bool) {
+    let (rect, _) = ui.allocate_exact_size(size.max(vec2(20.0, 20.0)), Sense::hover());
+    match curve {
+        Some(curve) => chart::show(ui, rect, curve),
+        None => {
+            let text = if has_final { "The curve begins after a few estimates." } else { "The final view is not shown." };
+            ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), theme::now().weak);
+        }
+    }
+}
+
+/// Shows what the colours of a debug view stand for, in the lower right corner of the picture.
+pub fn paint_legend(ui: &Ui, rect: Rect, choice: Choice) {
+    let painter = ui.painter_at(rect);
+    let font = FontId::proportional(12.0);
+    let mut place = rect.right_bottom() - vec2(14.0, 12.0);
+    for (name, [r, g, b]) in choice.legend().into_iter().rev() {
+        let galley = painter.layout_no_wrap(name.to_owned(), font.clone(), theme::ON_PICTURE.text);
+        let size = galley.size() + vec2(22.0, 0.0);
+        let line = Rect::from_min_size(place - size, size);
+        painter.rect_filled(line.expand2(vec2(6.0, 2.0)), 2, Color32::from_black_alpha(165));
+        let swatch = Rect::from_center_size(line.left_center() + vec2(6.0, 0.0), vec2(12.0, 12.0));
+        let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        painter.rect_filled(swatch, 2, Color32::from_rgb(byte(r), byte(g), byte(b)));
+        painter.galley(line.min + vec2(20.0, 0.0), galley, theme::ON_PICTURE.text);
+        place.y -= line.height() + 4.0;
+    }
 }
 
 /// Shows over the whole window what dropping the hovered files would do.
 pub fn paint_drop_hint(ctx: &egui::Context, text: &str, is_refused: bool) {
     let rect = ctx.content_rect();
     let painter = ctx.layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop hint")));
-    let color = if is_refused { theme::ERROR } else { theme::ACCENT };
+    let color = if is_refused { theme::ON_PICTURE.error } else { theme::ON_PICTURE.accent };
     painter.rect_filled(rect, 0, Color32::from_black_alpha(150));
     painter.rect_stroke(rect.shrink(6.0), 6, (3.0, color), StrokeKind::Inside);
     painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(22.0), color);

@@ -38,7 +38,7 @@ pub fn paint(ui: &Ui, rect: Rect, share: f32) {
     painter.vline(x, rect.y_range(), (3.0, Color32::from_black_alpha(140)));
     painter.vline(x, rect.y_range(), (1.0, Color32::from_gray(235)));
     let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(6.0, 30.0));
-    painter.rect_filled(grip, 3, theme::ACCENT);
+    painter.rect_filled(grip, 3, theme::ON_PICTURE.accent);
 }
 
 #[cfg(test)]

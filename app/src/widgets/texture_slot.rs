@@ -2,20 +2,14 @@
 
 use crate::theme;
 use crate::widgets::number_field::NumberField;
-use crate::widgets::value_edit::{LABEL_WIDTH, RowAction};
+use crate::widgets::value_edit::{GUTTER, LABEL_WIDTH, Row, RowAction};
 use burnish_material::{Channel, ColorSpace, Kind, PropertyDef, TextureRef, Wrap};
 use egui::{Label, Popup, PopupCloseBehavior, RichText, Ui, vec2};
 
 /// Shows the map line under a property and edits the reference in place.
-pub fn texture_slot(
-    ui: &mut Ui,
-    def: &PropertyDef,
-    texture: &mut Option<TextureRef>,
-    is_loaded: bool,
-    action: &mut Option<RowAction>,
-) {
+pub fn texture_slot(ui: &mut Ui, def: &PropertyDef, texture: &mut Option<TextureRef>, row: &Row, action: &mut Option<RowAction>) {
     ui.horizontal(|ui| {
-        ui.add_space(LABEL_WIDTH + ui.spacing().item_spacing.x);
+        ui.add_space(GUTTER + LABEL_WIDTH + ui.spacing().item_spacing.x);
         ui.spacing_mut().button_padding = vec2(5.0, 1.0);
         let Some(reference) = texture else {
             if ui.button("Choose map…").accessible_name(format!("{} map", def.label)).clicked() {
@@ -38,7 +32,12 @@ pub fn texture_slot(
                 *action = Some(RowAction::ChooseMap(def.id));
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                let (color, hint) = if is_loaded { (theme::ACCENT, "") } else { (theme::WARNING, "⚠ ") };
+                let is_loaded = row.is_map_loaded;
+                if let Some(thumbnail) = row.thumbnail {
+                    let image = egui::Image::new((thumbnail, vec2(28.0, 28.0))).alt_text(format!("{} map, small", def.label));
+                    ui.add(image).on_hover_ui(|ui| drop(ui.image((thumbnail, vec2(192.0, 192.0)))));
+                }
+                let (color, hint) = if is_loaded { (theme::now().accent, "") } else { (theme::now().warning, "⚠ ") };
                 let name = reference.path.rsplit('/').next().unwrap_or(&reference.path);
                 let label = ui.add(Label::new(RichText::new(format!("{hint}{name}")).small().color(color)).truncate());
                 let note = if is_loaded { "" } else { "\nThis image is not loaded; the value is used instead." };
@@ -62,6 +61,9 @@ fn settings_grid(ui: &mut Ui, def: &PropertyDef, reference: &mut TextureRef) {
         }
         ui.label("Colour space");
         choice(ui, &name("colour space"), &mut reference.color_space, ColorSpace::ALL);
+        ui.end_row();
+        ui.label("Invert");
+        ui.checkbox(&mut reference.is_inverted, "").accessible_name(name("inverted"));
         ui.end_row();
         ui.label("Wrap");
         choice(ui, &name("wrap"), &mut reference.wrap, Wrap::ALL);

@@ -1,0 +1,168 @@
+//! The pages over the window, and what is chosen in them.
+
+use super::App;
+use crate::loading::Job;
+use crate::pages::Page;
+use crate::panels::help;
+use crate::panels::palette::{self, Choice};
+use crate::panels::{preferences, property_page};
+use egui::{Context, Id, Key, Modal, Modifiers, RichText, Window};
+use std::time::SystemTime;
+
+impl App {
+    /// Shows the open page and the questions that wait.
+    pub(super) fn show_pages(&mut self, ctx: &Context) {
+        self.ask_about_change(ctx);
+        let Some(page) = self.pages.page() else { return };
+        match page {
+            Page::Palette => self.palette(ctx),
+            Page::Recent => self.recent_page(ctx),
+            Page::Recovery => self.recovery_page(ctx),
+            Page::Preferences => {
+                let is_open = framed(ctx, "Preferences", [520.0, 560.0], |ui| {
+                    preferences::show(ui, &mut self.preferences, &mut self.keymap, &mut self.pages.recording);
+                });
+                self.close_unless(is_open && !self.is_escaped(ctx));
+            }
+            Page::Help => {
+                let is_open =
+                    framed(ctx, "Keys and mouse", [620.0, 560.0], |ui| help::show(ui, &self.keymap, self.preferences.mouse));
+                self.close_unless(is_open && !self.is_escaped(ctx));
+            }
+            Page::Reference(property) => {
+                let title = format!("{}: reference", property.def().label);
+                let material = &self.editor.document.material;
+                let is_open = framed(ctx, &title, [480.0, 460.0], |ui| property_page::show(ui, property, material));
+                self.close_unless(is_open && !self.is_escaped(ctx));
+            }
+        }
+    }
+
+    fn close_unless(&mut self, is_open: bool) {
+        if !is_open {
+            self.pages.close();
+        }
+    }
+
+    fn is_escaped(&self, ctx: &Context) -> bool {
+        self.pages.recording.is_none()
+            && !ctx.text_edit_focused()
+            && ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape))
+    }
+
+    fn palette(&mut self, ctx: &Context) {
+        let possible = |command| self.is_possible(command);
+        let found = palette::find(&self.pages.search, &self.keymap, possible);
+        let (chosen, should_close) =
+            palette::show(ctx, "Find a command", "Type a command, a property or a preset", &mut self.pages, &found);
+        if should_close || chosen.is_some() {
+            self.pages.close();
+        }
+        match chosen.map(|index| found[index].choice.clone()) {
+            Some(Choice::Command(command)) => self.carry_out(command, ctx),
+            Some(Choice::Property(property)) => {
+                if !self.dock.is_drawn(crate::dock::Pane::Properties) {
+                    self.dock.set_shown(crate::dock::Pane::Properties, true);
+                }
+                self.editor.view.are_panels_shown = true;
+                self.properties.go_to(property);
+            }
+            Some(Choice::Preset(preset)) => self.load_preset(preset),
+            Some(Choice::File(_)) | None => {}
+        }
+    }
+
+    fn recent_page(&mut self, ctx: &Context) {
+        let paths = self.keeping.recent().to_vec();
+        let missing: Vec<bool> = paths.iter().map(|path| self.keeping.is_missing(path)).collect();
+        let found = palette::find_files(&self.pages.search, &paths, &missing);
+        let (chosen, should_close) = palette::show(ctx, "Open recent", "Type a part of the name", &mut self.pages, &found);
+        if should_close || chosen.is_some() {
+            self.pages.close();
+        }
+        if let Some(Choice::File(path)) = chosen.map(|index| found[index].choice.clone()) {
+            self.load_path(&path, ctx);
+        }
+    }
+
+    fn recovery_page(&mut self, ctx: &Context) {
+        let response = Modal::new(Id::unique("recovery")).show(ctx, |ui| {
+            ui.set_width(420.0);
+            ui.heading("Unsaved work from last time");
+            ui.add_space(4.0);
+            ui.label("Burnish ended without saving these:");
+            for kept in self.keeping.left.iter().flat_map(crate::recovery::Abandoned::documents) {
+                let age = SystemTime::now().duration_since(kept.when).map_or(0.0, |age| age.as_secs_f64());
+                let place = kept.path.as_ref().map_or_else(|| "not saved yet".to_owned(), |path| path.display().to_string());
+                ui.label(format!("• {}: as it was {} ago", kept.title, crate::panels::chart::duration(age.max(1.0))));
+                ui.label(RichText::new(format!("   {place}")).small().weak());
+            }
+            ui.add_space(10.0);
+            ui.horizontal(|ui| {
+                let bring = ui.button("Bring back").clicked();
+                let discard = ui.button("Throw away").clicked();
+                let later = ui.button("Ask again next time").clicked();
+                (bring, discard, later)
+            })
+            .inner
+        });
+        let (bring, discard, later) = response.inner;
+        if bring || discard {
+            self.take_left(bring, ctx);
+        }
+        if bring || discard || later || response.should_close() {
+            self.pages.close();
+        }
+    }
+
+    fn ask_about_change(&mut self, ctx: &Context) {
+        let Some(change) = self.pages.change().cloned() else { return };
+        let response = Modal::new(Id::unique("changed outside")).show(ctx, |ui| {
+            ui.set_width(400.0);
+            ui.heading("Changed by another program");
+            ui.add_space(4.0);
+            ui.label(format!("“{}” is not any more what is on disk:", change.title));
+            ui.label(RichText::new(change.path.display().to_string()).small().weak());
+            if change.is_modified {
+                ui.label("It has changes here as well; reloading is one step that undo takes back.");
+            }
+            ui.add_space(10.0);
+            ui.horizontal(|ui| {
+                let reload = ui.button("Reload").clicked();
+                let compare = ui.button("Compare").on_hover_text("Show both beside each other; nothing is changed").clicked();
+                let keep = ui.button("Keep what is here").clicked();
+                (reload, compare, keep)
+            })
+            .inner
+        });
+        let (reload, compare, keep) = response.inner;
+        if reload || compare || keep || response.should_close() {
+            self.pages.take_change();
+        }
+        if reload {
+            self.loader.start(Job::Reload(change.id, change.path.clone()), ctx);
+        }
+        if compare {
+            if let Some(place) = self.tabs.place_of(change.id) {
+                self.with_front(|tabs, front| tabs.bring_to_front(place, front));
+            }
+            self.loader.start(Job::Compare(change.id, change.path), ctx);
+        }
+    }
+}
+
+/// A window of its own within the window; whether it is still open.
+fn framed(ctx: &Context, title: &str, size: [f32; 2], content: impl FnOnce(&mut egui::Ui)) -> bool {
+    let mut is_open = true;
+    let room = ctx.content_rect().size() - egui::vec2(40.0, 60.0);
+    Window::new(title)
+        .open(&mut is_open)
+        .collapsible(false)
+        .default_size(size)
+        .max_size(room)
+        .default_pos(ctx.content_rect().center() - 0.5 * egui::Vec2::from(size))
+        .show(ctx, |ui| {
+            egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, content);
+        });
+    is_open
+}

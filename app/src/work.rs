@@ -1,0 +1,34 @@
+//! Work that takes longer than a moment: what it is, how far, how long yet, and whether it can be ended.
+
+/// What can be ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ends {
+    /// Loading of files, meshes and lights.
+    Loading,
+    /// The final view; the preview is shown instead.
+    FinalView,
+    /// Measuring lobes.
+    Costs,
+    /// Making small pictures.
+    SmallPictures,
+}
+
+/// One piece of work.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Work {
+    /// What is being done.
+    pub text: String,
+    /// How much of it is done, 0 to 1, if that is known.
+    pub progress: Option<f32>,
+    /// Seconds until it is done, if that is known.
+    pub remaining: Option<f64>,
+    /// How to end it, if it can be.
+    pub ends: Option<Ends>,
+}
+
+impl Work {
+    /// Work of which only the name is known.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self { text: text.into(), progress: None, remaining: None, ends: None }
+    }
+}
