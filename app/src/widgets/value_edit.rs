@@ -151,7 +151,7 @@ fn marks(ui: &mut Ui, slot: &Slot, row: &Row) {
     let is_set = *slot != Slot::default();
     let is_edited = row.opened.is_some_and(|opened| opened != slot);
     let differs = row.other.is_some_and(|other| other != slot);
-    let x = rect.left() + 1.0;
+    let x = rect.left() + 4.0;
     let mut said = Vec::new();
     if is_edited {
         let c = pos2(x, rect.center().y);
