@@ -110,6 +110,8 @@ pub struct App {
     /// What is remembered between runs, if anything.
     keeping: Keeping,
     screenshot: Option<Screenshot>,
+    /// Pictures that threads are writing.
+    pictures_to_write: usize,
     written: Receiver<Result<String, String>>,
     writer: Sender<Result<String, String>>,
 }
@@ -169,6 +171,7 @@ impl App {
             left_out: Vec::new(),
             keeping: Keeping::default(),
             screenshot: None,
+            pictures_to_write: 0,
             written,
             writer,
         };

@@ -141,6 +141,14 @@ pub fn set(name: ThemeName) {
     NOW.set(name.palette());
 }
 
+/// Size of ordinary text where the user does not scale it, points.
+const BODY: f32 = 13.5;
+
+/// How much larger than usual text is.
+pub fn text_scale(ui: &egui::Ui) -> f32 {
+    TextStyle::Body.resolve(ui.style()).size / BODY
+}
+
 /// Applies the look to a context. `text_scale` enlarges all text and what holds it.
 pub fn apply(ctx: &egui::Context, name: ThemeName, text_scale: f32, is_motion_reduced: bool) {
     set(name);
@@ -166,8 +174,8 @@ fn set_style(style: &mut Style, palette: &Palette, text_scale: f32, is_motion_re
     let size = |points: f32, family| FontId::new((points * text_scale * 2.0).round() / 2.0, family);
     style.text_styles = [
         (TextStyle::Small, size(11.5, Proportional)),
-        (TextStyle::Body, size(13.5, Proportional)),
-        (TextStyle::Button, size(13.5, Proportional)),
+        (TextStyle::Body, size(BODY, Proportional)),
+        (TextStyle::Button, size(BODY, Proportional)),
         (TextStyle::Heading, size(15.0, Proportional)),
         (TextStyle::Monospace, size(12.5, Monospace)),
     ]

@@ -275,6 +275,7 @@ impl App {
         };
         let (width, height) = (picture.width, picture.height);
         let note = denoised.map_or_else(String::new, |denoised| format!(". {}; the raw picture is kept", denoised.label()));
+        self.pictures_to_write += 1;
         let (display, sender, ctx) = (self.editor.view.display, self.writer.clone(), ctx.clone());
         std::thread::spawn(move || {
             let result = export::write(&path, &picture, display)
@@ -297,6 +298,7 @@ impl App {
             }
         }
         while let Ok(written) = self.written.try_recv() {
+            self.pictures_to_write -= 1;
             match written {
                 Ok(info) => self.messages.info(info),
                 Err(problem) => self.messages.error(problem),

@@ -221,6 +221,12 @@ impl App {
             let progress = Some(costs.lobes.len() as f32 / LOBES.len() as f32);
             list.push(Work { progress, ends: Some(Ends::Costs), ..Work::new("Measuring lobes") });
         }
+        if self.pictures_to_write > 0 {
+            list.push(Work::new("Writing the picture"));
+        }
+        if self.preview.is_finishing() {
+            list.push(Work::new("Preview: light and heights"));
+        }
         if self.debug.is_busy() {
             list.push(Work::new("Looking at the surface"));
         }

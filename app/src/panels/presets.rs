@@ -104,7 +104,7 @@ fn row(ui: &mut Ui, entry: &Entry, is_current: bool) -> bool {
             ui.painter().rect_filled(rect, 3, visuals.weak_bg_fill);
         }
         let center = rect.left_center() + vec2(14.0, 0.0);
-        ui.painter().circle_filled(center, 6.5, entry.color);
+        ui.painter().circle(center, 6.5, entry.color, (1.0, theme::now().line));
         let sheen = if entry.is_metal { 170 } else { 60 };
         ui.painter().circle_filled(center - vec2(2.0, 2.2), 1.7, Color32::from_white_alpha(sheen));
         let text_rect = rect.with_min_x(rect.left() + 27.0);

@@ -7,12 +7,12 @@ use crate::theme;
 use crate::widgets::number;
 use crate::widgets::number_field::NumberField;
 use crate::widgets::search_field::search_field;
-use crate::widgets::value_edit::{GUTTER, LABEL_WIDTH, Row, RowAction, value_edit};
+use crate::widgets::value_edit::{GUTTER, Row, RowAction, label_width, value_edit};
 use burnish_material::{
     Finding, Group, LOBES, LobeSet, Material, PROPERTIES, Property, PropertyDef, Severity, Slot, ValueSource, check,
 };
 use egui::text::LayoutJob;
-use egui::{CollapsingHeader, FontId, Rect, RichText, ScrollArea, TextEdit, TextFormat, Ui};
+use egui::{CollapsingHeader, Rect, RichText, ScrollArea, TextEdit, TextFormat, TextStyle, Ui};
 use std::collections::BTreeMap;
 
 /// State of the panel.
@@ -67,7 +67,7 @@ impl PropertyPanel {
                     continue;
                 }
                 is_any_found = true;
-                let title = group_title(group, &document.material);
+                let title = group_title(ui, group, &document.material);
                 let mut body = |ui: &mut Ui| {
                     for &def in &rows {
                         action = self.row(ui, def, document, lobes, other, small).or(action);
@@ -153,13 +153,13 @@ pub fn without_effect(property: Property, lobes: LobeSet) -> Option<&'static str
     LOBES.iter().find(|lobe| lobe.properties.contains(&property) && !lobes.has(lobe.lobe)).map(|lobe| lobe.doc)
 }
 
-fn group_title(group: Group, material: &Material) -> LayoutJob {
+fn group_title(ui: &Ui, group: Group, material: &Material) -> LayoutJob {
     let count = PROPERTIES.iter().filter(|def| def.group == group && *material.slot(def.id) != Slot::default()).count();
     let mut job = LayoutJob::default();
-    let format = |size, color| TextFormat { font_id: FontId::proportional(size), color, ..Default::default() };
-    job.append(group.title(), 0.0, format(13.5, theme::now().strong));
+    let format = |style: TextStyle, color| TextFormat { font_id: style.resolve(ui.style()), color, ..Default::default() };
+    job.append(group.title(), 0.0, format(TextStyle::Body, theme::now().strong));
     if count > 0 {
-        job.append(&format!("{count} set"), 8.0, format(11.5, theme::now().accent));
+        job.append(&format!("{count} set"), 8.0, format(TextStyle::Small, theme::now().accent));
     }
     job
 }
@@ -199,9 +199,10 @@ fn about(ui: &mut Ui, document: &mut Document) {
 }
 
 fn label(ui: &mut Ui, text: &str) -> egui::Response {
-    let size = egui::vec2(GUTTER + LABEL_WIDTH, ui.spacing().interact_size.y);
+    let size = egui::vec2(GUTTER + label_width(ui), ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-        ui.set_width(GUTTER + LABEL_WIDTH);
+        ui.set_width(size.x);
+        ui.add_space(GUTTER - ui.spacing().item_spacing.x);
         ui.label(RichText::new(text).color(theme::now().text.gamma_multiply(0.8)))
     })
     .inner

@@ -17,7 +17,7 @@ use burnish_renderer::path::StopRules;
 use burnish_renderer::tonemap::DisplayTransform;
 use egui::{
     Align2, Color32, ComboBox, DragValue, FontId, Grid, Label, Modifiers, PointerButton, Popup, Rect, Response, RichText, Role,
-    Sense, Slider, SliderClamping, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Sense, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// What the toolbar asks for.
@@ -86,10 +86,13 @@ pub fn toolbar(ui: &mut Ui, editor: &mut Editor, tools: &mut Tools) -> Option<Wi
         let tip = "What lights the scene; drop an .hdr or .exr for your own";
         wish = scene_menu(ui, "Environment", light, tip, all, Command::LoadEnvironment, tools.small).or(wish.take());
         let view = &mut editor.view;
-        let field =
-            NumberField { format: |x| format!("{x:.0}°"), step: 15.0, ..NumberField::plain("Environment rotation", 44.0, 1.0) };
+        let field = NumberField {
+            format: |x| format!("{x:.0}°"),
+            step: 15.0,
+            ..NumberField::plain("Environment rotation", 44.0 * theme::text_scale(ui), 1.0)
+        };
         // Within a size of its own, so that it goes to the next line where it does not fit.
-        let size = vec2(44.0, ui.spacing().interact_size.y);
+        let size = vec2(44.0 * theme::text_scale(ui), ui.spacing().interact_size.y);
         if let Some(new) = ui.allocate_ui(size, |ui| field.show(ui, f64::from(view.environment_deg))).inner {
             view.environment_deg = (new as f32).rem_euclid(360.0);
         }
@@ -189,10 +192,13 @@ fn scene_menu(
 }
 
 fn display_controls(ui: &mut Ui, view: &mut View) {
-    ui.spacing_mut().slider_width = 52.0;
-    let exposure =
-        Slider::new(&mut view.display.exposure_ev, -6.0..=6.0).clamping(SliderClamping::Never).max_decimals(2).suffix(" EV");
-    ui.add(exposure).accessible_name("Exposure").on_hover_text("Exposure in stops\nkeys [ and ] change it by a third");
+    let size = vec2(58.0 * theme::text_scale(ui), ui.spacing().interact_size.y);
+    let field = NumberField { format: |x| format!("{x:.2} EV"), step: 0.25, ..NumberField::plain("Exposure", size.x, 0.02) };
+    let exposure = ui.allocate_ui(size, |ui| field.show(ui, f64::from(view.display.exposure_ev)));
+    if let Some(new) = exposure.inner {
+        view.display.exposure_ev = new as f32;
+    }
+    exposure.response.on_hover_text("Exposure in stops\nkeys [ and ] change it by a third");
     let transform = &mut view.display.transform;
     let name = |transform: DisplayTransform| match transform {
         DisplayTransform::Neutral => "Neutral",

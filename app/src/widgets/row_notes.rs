@@ -2,7 +2,7 @@
 
 use crate::theme;
 use crate::widgets::number;
-use crate::widgets::value_edit::{GUTTER, LABEL_WIDTH, Row};
+use crate::widgets::value_edit::{GUTTER, Row, label_width};
 use burnish_material::{Kind, LimitKind, Material, PropertyDef, Slot, Unit, Value, Vary};
 use egui::{Label, RichText, Ui, vec2};
 
@@ -73,7 +73,7 @@ pub fn notes(ui: &mut Ui, def: &PropertyDef, slot: &Slot, row: &Row) {
     let value = slot.value.unwrap_or(def.default);
     let mut note = |color, text: String| {
         ui.horizontal(|ui| {
-            ui.add_space(GUTTER + LABEL_WIDTH + ui.spacing().item_spacing.x);
+            ui.add_space(GUTTER + label_width(ui) + ui.spacing().item_spacing.x);
             ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
         });
     };

@@ -2,14 +2,14 @@
 
 use crate::theme;
 use crate::widgets::number_field::NumberField;
-use crate::widgets::value_edit::{GUTTER, LABEL_WIDTH, Row, RowAction};
+use crate::widgets::value_edit::{GUTTER, Row, RowAction, label_width};
 use burnish_material::{Channel, ColorSpace, Kind, PropertyDef, TextureRef, Wrap};
 use egui::{Label, Popup, PopupCloseBehavior, RichText, Ui, vec2};
 
 /// Shows the map line under a property and edits the reference in place.
 pub fn texture_slot(ui: &mut Ui, def: &PropertyDef, texture: &mut Option<TextureRef>, row: &Row, action: &mut Option<RowAction>) {
     ui.horizontal(|ui| {
-        ui.add_space(GUTTER + LABEL_WIDTH + ui.spacing().item_spacing.x);
+        ui.add_space(GUTTER + label_width(ui) + ui.spacing().item_spacing.x);
         ui.spacing_mut().button_padding = vec2(5.0, 1.0);
         let Some(reference) = texture else {
             if ui.button("Choose map…").accessible_name(format!("{} map", def.label)).clicked() {

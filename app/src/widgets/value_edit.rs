@@ -14,14 +14,19 @@ use egui::{Align2, FontId, Id, Key, Label, Layout, Rect, Response, RichText, Sen
 
 /// Width of the marks before the label.
 pub const GUTTER: f32 = 12.0;
-/// Width of the label column.
-pub const LABEL_WIDTH: f32 = 144.0;
+/// Width of the label column at the usual size of text.
+const LABEL_WIDTH: f32 = 144.0;
 /// Letters above which a label would not fit the column at full size.
 const LONG_LABEL: usize = 21;
-/// Width of the number field beside a track.
+/// Width of the number field beside a track at the usual size of text.
 const NUMBER_WIDTH: f32 = 64.0;
 /// Width of the map and reset buttons together.
 const TRAILING_WIDTH: f32 = 48.0;
+
+/// Width of the label column.
+pub fn label_width(ui: &Ui) -> f32 {
+    (LABEL_WIDTH * theme::text_scale(ui)).round()
+}
 
 /// What a row needs to know beside the material.
 #[derive(Clone, Copy, Debug, Default)]
@@ -175,10 +180,10 @@ fn label_column(ui: &mut Ui, def: &PropertyDef, material: &mut Material, row: &R
     let slot = material.slot_mut(def.id);
     let is_set = *slot != Slot::default();
     let color = if is_set { ui.visuals().strong_text_color() } else { theme::now().text.gamma_multiply(0.86) };
-    let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
+    let size = vec2(label_width(ui), ui.spacing().interact_size.y);
     let response = ui
         .allocate_ui_with_layout(size, Layout::left_to_right(egui::Align::Center), |ui| {
-            ui.set_width(LABEL_WIDTH);
+            ui.set_width(size.x);
             // The longest names are set a little smaller rather than cut off.
             let text = RichText::new(def.label).color(color);
             let text = if def.label.len() > LONG_LABEL {
@@ -268,7 +273,8 @@ fn float_edit(ui: &mut Ui, def: &PropertyDef, old: f64, material: &Material, row
         default: number_of(Some(&Slot::default())).unwrap_or(min),
         other: number_of(row.other).filter(|other| *other != old),
     };
-    let width = (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(30.0);
+    let number_width = (NUMBER_WIDTH * theme::text_scale(ui)).round();
+    let width = (ui.available_width() - number_width - ui.spacing().item_spacing.x).max(30.0);
     let (track, moved) = Track { name: def.label, min, max, is_logarithmic, step, marks }.show(ui, width, old);
     if track.double_clicked() {
         return Some(None);
@@ -292,7 +298,7 @@ fn float_edit(ui: &mut Ui, def: &PropertyDef, old: f64, material: &Material, row
         range: edit_range(def),
         unit: def.unit,
         unit_mm: row.unit_mm,
-        ..NumberField::plain(def.label, NUMBER_WIDTH, 1.0)
+        ..NumberField::plain(def.label, number_width, 1.0)
     };
     field.show(ui, moved.unwrap_or(old)).or(moved).map(|v| Some(Value::Float(v)))
 }
