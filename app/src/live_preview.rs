@@ -216,6 +216,11 @@ impl LivePreview {
         locked(&self.latency).is_finishing()
     }
 
+    /// Whether threads filter an environment, fill tables or displace meshes for it; it shows the earlier ones meanwhile.
+    pub fn is_preparing(&self) -> bool {
+        self.state.as_ref().is_ok_and(|gpu| gpu.preview.is_taking())
+    }
+
     /// The last edit that reached the picture, and the worst of the last hundred.
     pub fn latency(&self) -> Option<(Shown, Shown)> {
         locked(&self.latency).last_and_worst()

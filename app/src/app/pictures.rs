@@ -224,7 +224,7 @@ impl App {
         if self.pictures_to_write > 0 {
             list.push(Work::new("Writing the picture"));
         }
-        if self.preview.is_finishing() {
+        if self.preview.is_preparing() {
             list.push(Work::new("Preview: light and heights"));
         }
         if self.debug.is_busy() {

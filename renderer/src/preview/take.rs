@@ -140,7 +140,7 @@ impl Preview {
     }
 
     /// Whether threads work on what the scene that was set last needs.
-    pub(super) fn is_taking(&self) -> bool {
+    pub fn is_taking(&self) -> bool {
         self.filtering.is_some() || self.filling.is_some() || self.reliefs.is_making()
     }
 
