@@ -3,6 +3,7 @@
 //! The swatch and the picker show what a screen shows (sRGB); the numbers and the file are linear. Colours above 1 keep
 //! their brightness: the picker changes their hue and saturation.
 
+use crate::theme;
 use crate::widgets::number;
 use crate::widgets::number_field::{NumberField, Scale};
 use crate::widgets::value_edit::{RowAction, edit_range};
@@ -14,6 +15,9 @@ use egui::{Color32, Grid, Popup, PopupCloseBehavior, Role, Sense, Stroke, Stroke
 /// How far the picker's numbers must move to count as an edit. It converts its colour back and forth each frame, and the
 /// rounding of that (about 1e-6) must not change the document.
 const PICKER_NOISE: f32 = 1e-4;
+
+/// Below this width three decimals do not fit, points.
+const NARROW: f32 = 46.0;
 
 /// Edits a linear colour. Returns the new one when it changed.
 pub fn color_edit(ui: &mut Ui, def: &PropertyDef, old: [f64; 3], action: &mut Option<RowAction>) -> Option<[f64; 3]> {
@@ -33,7 +37,7 @@ fn channels(ui: &mut Ui, def: &PropertyDef, note: &str, width: f32, old: [f64; 3
         let name = format!("{} {channel}{note}", def.label);
         let field = NumberField {
             range: edit_range(def),
-            format: number::color_field,
+            format: if width < NARROW * theme::text_scale(ui) { number::narrow_color_field } else { number::color_field },
             step: 0.05,
             ..NumberField::plain(&name, width, 0.004)
         };

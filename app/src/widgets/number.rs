@@ -145,6 +145,11 @@ pub fn color_field(x: f64) -> String {
     text.strip_suffix('0').map_or(text.clone(), str::to_owned)
 }
 
+/// A colour's number where there is room for two decimals only.
+pub fn narrow_color_field(x: f64) -> String {
+    if x.abs() >= 10.0 || !x.is_finite() { format(x, 3) } else { format!("{x:.2}") }
+}
+
 /// `x` rounded to `digits` significant digits, so that a slider does not write digits nobody chose.
 pub fn rounded(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x)
@@ -185,6 +190,8 @@ mod tests {
         assert_eq!(color_field(0.773_3), "0.773");
         assert_eq!(color_field(1.0), "1.00");
         assert_eq!(color_field(123.0), "123");
+        assert_eq!(narrow_color_field(0.916), "0.92");
+        assert_eq!(narrow_color_field(123.4), "123");
         assert_eq!(format(1200.0, 3), "1200");
         assert_eq!(rounded(0.123_456_7, 4), 0.1235);
     }
