@@ -2,6 +2,7 @@
 
 use burnish_renderer::path::{DebugView, Explanation, LegendEntry, Prepared, SampleView, debug_picture, explain};
 use burnish_renderer::scene::Scene;
+use burnish_renderer::tonemap::srgb_encode;
 use burnish_renderer::worker::Snapshot;
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -222,12 +223,17 @@ fn prepared(kept: &PreparedScene, revision: u64, scene: Scene) -> Arc<Prepared> 
     })
 }
 
-/// Numbers that are meant to be shown as they are.
+/// Linear colours that are meant to be shown as they are, without a display transform.
 fn image(pixels: Vec<[f32; 3]>, width: usize) -> ColorImage {
     let height = pixels.len() / width.max(1);
     let colors = pixels.into_iter().map(|color| {
-        let [r, g, b] = color.map(|x| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+        let [r, g, b] = shown(color);
         Color32::from_rgb(r, g, b)
     });
     ColorImage::new([width, height], colors.collect())
+}
+
+/// A linear colour from 0 to 1 as the screen shows it.
+pub fn shown(color: [f32; 3]) -> [u8; 3] {
+    color.map(|x| (srgb_encode(x.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8)
 }

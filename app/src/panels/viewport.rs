@@ -3,7 +3,7 @@
 use crate::command::Command;
 use crate::editor::{Editor, View, ViewMode};
 use crate::keymap::Keymap;
-use crate::live_debug::{Choice, LiveDebug};
+use crate::live_debug::{self, Choice, LiveDebug};
 use crate::loading::Job;
 use crate::panels::chart::{self, ErrorCurve};
 use crate::panels::wipe;
@@ -480,14 +480,14 @@ pub fn paint_legend(ui: &Ui, rect: Rect, choice: Choice) {
     let painter = ui.painter_at(rect);
     let font = FontId::proportional(12.0);
     let mut place = rect.right_bottom() - vec2(14.0, 12.0);
-    for (name, [r, g, b]) in choice.legend().into_iter().rev() {
+    for (name, color) in choice.legend().into_iter().rev() {
         let galley = painter.layout_no_wrap(name.to_owned(), font.clone(), theme::ON_PICTURE.text);
         let size = galley.size() + vec2(22.0, 0.0);
         let line = Rect::from_min_size(place - size, size);
         painter.rect_filled(line.expand2(vec2(6.0, 2.0)), 2, Color32::from_black_alpha(165));
         let swatch = Rect::from_center_size(line.left_center() + vec2(6.0, 0.0), vec2(12.0, 12.0));
-        let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-        painter.rect_filled(swatch, 2, Color32::from_rgb(byte(r), byte(g), byte(b)));
+        let [r, g, b] = live_debug::shown(color);
+        painter.rect_filled(swatch, 2, Color32::from_rgb(r, g, b));
         painter.galley(line.min + vec2(20.0, 0.0), galley, theme::ON_PICTURE.text);
         place.y -= line.height() + 4.0;
     }

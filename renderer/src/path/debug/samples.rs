@@ -33,7 +33,7 @@ impl SampleView {
             view: Self::Error,
             word: "error",
             label: "Error",
-            doc: "Estimated standard error of each pixel over its value; near black, over a tenth.",
+            doc: "Estimated standard error of each pixel relative to its value; for pixels darker than a tenth, to about a tenth.",
         },
     ];
 
