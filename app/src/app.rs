@@ -120,6 +120,8 @@ impl App {
     /// An application in this context, with the preview on its device if it has one. It remembers nothing unless [`Self::keep_in`] says where.
     pub fn new(ctx: &egui::Context, render_state: Option<&egui_wgpu::RenderState>, dialogs: Box<dyn Dialogs>) -> Self {
         ctx.set_fonts(theme::fonts());
+        // A press elsewhere may begin a drag: what is being typed is done before that.
+        ctx.options_mut(|options| options.input_options.surrender_focus_on = egui::SurrenderFocusOn::Presses);
         let preview = LivePreview::new(render_state);
         let mut editor = Editor::new();
         if preview.problem().is_some() {

@@ -62,6 +62,12 @@ impl History {
         }
     }
 
+    /// Forgets the gesture that goes on; the material to return to.
+    pub fn cancel(&mut self) -> &Material {
+        self.pending = None;
+        &self.now().material
+    }
+
     /// Makes a step with a name of its own, after settling what was pending.
     pub fn commit(&mut self, label: impl Into<String>, document: &Document) {
         self.settle();

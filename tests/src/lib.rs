@@ -7,3 +7,4 @@ pub mod number;
 pub mod quadrature;
 pub mod scenes;
 pub mod surface;
+pub mod window;

@@ -1,70 +1,19 @@
 //! The window without a GPU and without a display: one case per property made from the table, and the straight line from a
 //! widget to the document, the history and the file.
 
-use burnish::app::App;
 use burnish::command::Command;
-use burnish::dialogs::PreparedDialogs;
 use burnish::panels::properties::without_effect;
 use burnish_material::{
     Kind, LimitKind, Lobe, LobeSet, Material, MaterialFile, PROPERTIES, Property, PropertyDef, Slot, TextureRef, Value, Vary,
 };
+use burnish_tests::window::{HIGH, Window, app, app_mut, find, material, press, set_document, settle, window, window_of};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use egui_kittest::{Harness, Node};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-type Window = Harness<'static, Option<App>>;
-
-/// A window high enough that every row lies on it.
 fn window_with(paths: Vec<PathBuf>) -> Window {
-    let mut window = Harness::builder().with_size([1280.0, 2600.0]).build_ui_state(
-        move |ui: &mut egui::Ui, app: &mut Option<App>| {
-            let paths = paths.clone();
-            let app =
-                app.get_or_insert_with(|| App::new(ui.ctx(), None, Box::new(PreparedDialogs::new(paths))).without_final_view());
-            app.frame(ui);
-        },
-        None,
-    );
-    settle(&mut window);
-    window
-}
-
-fn window() -> Window {
-    window_with(Vec::new())
-}
-
-fn app(window: &Window) -> &App {
-    window.state().as_ref().expect("the first frame makes it")
-}
-
-fn material(window: &Window) -> Material {
-    app(window).editor().document.material.clone()
-}
-
-/// Draws until nothing is being loaded any more, and some frames beyond.
-fn settle(window: &mut Window) {
-    let start = Instant::now();
-    window.run_steps(3);
-    while app(window).is_loading() {
-        assert!(start.elapsed() < Duration::from_secs(120), "still loading");
-        std::thread::sleep(Duration::from_millis(10));
-        window.run_steps(1);
-    }
-    window.run_steps(3);
-}
-
-fn set_document(window: &mut Window, edit: impl FnOnce(&mut Material)) {
-    let app = window.state_mut().as_mut().expect("the first frame makes it");
-    edit(&mut app.editor_mut().document.material);
-    window.run_steps(3);
-}
-
-fn press(window: &mut Window, command: Command) {
-    let keys = command.def().keys[0];
-    window.key_press_modifiers(keys.modifiers, keys.logical_key);
-    window.run_steps(2);
+    window_of(HIGH, paths)
 }
 
 /// Role and accessible name of the control that changes a property.
@@ -75,10 +24,6 @@ fn control(def: &PropertyDef) -> (Role, String) {
         Kind::Color => (Role::SpinButton, format!("{} green", def.label)),
         Kind::Normal => (Role::SpinButton, format!("{} y", def.label)),
     }
-}
-
-fn find<'a>(window: &'a Window, role: Role, name: &'a str) -> Node<'a> {
-    window.get_by_role_and_label(role, name)
 }
 
 /// A number inside the limits that differs from the default.
@@ -310,7 +255,7 @@ fn saving_clears_the_mark_and_undo_sets_it_again() {
 
 fn open(window: &mut Window, path: &Path) {
     let ctx = window.ctx.clone();
-    window.state_mut().as_mut().expect("the first frame makes it").load_path(path, &ctx);
+    app_mut(window).load_path(path, &ctx);
     settle(window);
 }
 

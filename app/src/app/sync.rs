@@ -53,6 +53,9 @@ impl App {
 
     /// Tells everybody what changed in this frame.
     pub(super) fn sync(&mut self, ctx: &egui::Context) {
+        if gesture::take_cancel(ctx) {
+            self.editor.document.material = self.history.cancel().clone();
+        }
         let wants_final = self.has_final();
         let aspect = self.picture_size.0 as f32 / self.picture_size.1 as f32;
         if let (Some(model), Some(environment)) = (self.editor.model.clone(), self.editor.environment.clone()) {

@@ -5,16 +5,29 @@
 
 use egui::{Context, Id};
 
-fn id() -> Id {
-    Id::unique("a gesture has ended")
-}
+const END: &str = "a gesture has ended";
+const CANCEL: &str = "a gesture was taken back";
 
 /// What was edited in this frame is done.
 pub fn end(ctx: &Context) {
-    ctx.data_mut(|data| data.insert_temp(id(), true));
+    ctx.data_mut(|data| data.insert_temp(Id::unique(END), true));
+}
+
+/// What was edited since the last step is to be as it was: a value that was not set is not set again.
+pub fn cancel(ctx: &Context) {
+    ctx.data_mut(|data| data.insert_temp(Id::unique(CANCEL), true));
 }
 
 /// Whether [`end`] was called since the last time.
 pub fn take_end(ctx: &Context) -> bool {
-    ctx.data_mut(|data| data.remove_temp::<bool>(id())).unwrap_or(false)
+    take(ctx, END)
+}
+
+/// Whether [`cancel`] was called since the last time.
+pub fn take_cancel(ctx: &Context) -> bool {
+    take(ctx, CANCEL)
+}
+
+fn take(ctx: &Context, what: &'static str) -> bool {
+    ctx.data_mut(|data| data.remove_temp::<bool>(Id::unique(what))).unwrap_or(false)
 }

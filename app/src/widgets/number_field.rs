@@ -63,8 +63,13 @@ pub struct NumberField<'a> {
     pub format: fn(f64) -> String,
 }
 
+/// In which pass a typed number was left with Tab, so that the next field drawn takes the focus.
+fn tabbed() -> Id {
+    Id::unique("a typed number was left with Tab")
+}
+
 /// A drag that goes on: where it began, and where it is without rounding.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Drag {
     start: f64,
     precise: f64,
@@ -98,6 +103,9 @@ impl<'a> NumberField<'a> {
     fn show_inner(self, ui: &mut Ui, old: f64) -> Option<f64> {
         // The same in both states, so that the keyboard finds it again.
         let id = ui.next_auto_id();
+        if ui.is_enabled() && ui.data_mut(|data| data.remove_temp::<u64>(tabbed())) == Some(ui.ctx().cumulative_pass_nr()) {
+            ui.memory_mut(|memory| memory.request_focus(id));
+        }
         let is_typing = ui.is_enabled()
             && ui.memory_mut(|memory| {
                 memory.interested_in_focus(id, ui.layer_id());
@@ -110,6 +118,11 @@ impl<'a> NumberField<'a> {
             && !ui.input(|i| i.key_pressed(Key::Escape))
         {
             new = self.typed(ui, &text, old).or(new);
+            // Numbers are typed one after the other. Tab without typing stops at everything between.
+            if new.is_some() && ui.input(|i| i.key_pressed(Key::Tab) && !i.modifiers.shift) {
+                let pass = ui.ctx().cumulative_pass_nr();
+                ui.data_mut(|data| data.insert_temp(tabbed(), pass));
+            }
         }
         let response = if is_typing { self.text(ui, id, old, &mut new) } else { self.button(ui, old, &mut new) };
         response.widget_info(|| WidgetInfo::drag_value(ui.is_enabled(), new.unwrap_or(old)));
@@ -204,9 +217,8 @@ impl<'a> NumberField<'a> {
         }
         if response.contains_pointer() && !ui.ctx().text_edit_focused() {
             *new = under_pointer(ui, old, self.scale, self.step).map(|value| self.limited(value)).or(*new);
-            if let Some(text) = copy_paste(ui, || (self.format)(old)) {
-                *new = number::parse(&text, self.unit, self.unit_mm).map(|value| self.limited(value)).or(*new);
-            }
+            let read = |text: &str| number::parse(text, self.unit, self.unit_mm);
+            *new = copy_paste(ui, || old.to_string(), read).map(|value| self.limited(value)).or(*new);
         }
         response
     }
@@ -237,15 +249,18 @@ pub fn dragged(ui: &Ui, response: &Response, old: f64, moved: impl Fn(f64, f64) 
     if response.drag_started() {
         ui.data_mut(|data| data.insert_temp(id, Drag { start: old, precise: old }));
     }
+    if response.drag_stopped() {
+        // Esc ends a drag, like letting go.
+        let drag = ui.data_mut(|data| data.remove_temp::<Drag>(id))?;
+        return ui.input(|i| i.key_pressed(Key::Escape)).then(|| {
+            gesture::cancel(ui.ctx());
+            drag.start
+        });
+    }
     if !response.dragged() {
         return None;
     }
     let mut drag = ui.data(|data| data.get_temp::<Drag>(id))?;
-    if ui.input(|i| i.key_pressed(Key::Escape)) {
-        ui.ctx().stop_dragging();
-        ui.data_mut(|data| data.remove::<Drag>(id));
-        return Some(drag.start);
-    }
     let (modifiers, delta) = (ui.input(|i| i.modifiers), response.drag_delta());
     let points = f64::from(delta.x - delta.y) * if modifiers.shift { FINE } else { 1.0 };
     if points == 0.0 {
@@ -286,15 +301,15 @@ pub fn under_pointer(ui: &Ui, old: f64, scale: Scale, step: f64) -> Option<f64> 
 }
 
 /// Copies on Ctrl+C, and returns what Ctrl+V brought; with Alt they belong to the whole row.
-pub fn copy_paste(ui: &Ui, copied: impl FnOnce() -> String) -> Option<String> {
+pub fn copy_paste<T>(ui: &Ui, copied: impl FnOnce() -> String, read: impl Fn(&str) -> Option<T>) -> Option<T> {
     if ui.input(|input| input.modifiers.alt) {
         return None;
     }
-    take_copy_paste(ui, copied)
+    take_copy_paste(ui, copied, read)
 }
 
-/// The same, whatever keys are held.
-pub fn take_copy_paste(ui: &Ui, copied: impl FnOnce() -> String) -> Option<String> {
+/// The same, whatever keys are held. A text that cannot be read is left to what lies around.
+pub fn take_copy_paste<T>(ui: &Ui, copied: impl FnOnce() -> String, read: impl Fn(&str) -> Option<T>) -> Option<T> {
     let (mut is_copied, mut pasted) = (false, None);
     ui.input_mut(|input| {
         input.events.retain(|event| match event {
@@ -303,8 +318,10 @@ pub fn take_copy_paste(ui: &Ui, copied: impl FnOnce() -> String) -> Option<Strin
                 false
             }
             Event::Paste(text) => {
-                pasted = Some(text.clone());
-                false
+                let value = read(text);
+                let is_left = value.is_none();
+                pasted = value.or(pasted.take());
+                is_left
             }
             _ => true,
         });

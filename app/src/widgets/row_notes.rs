@@ -4,7 +4,7 @@ use crate::theme;
 use crate::widgets::number;
 use crate::widgets::value_edit::{GUTTER, Row, label_width};
 use burnish_material::{Kind, LimitKind, Material, PropertyDef, Slot, Unit, Value, Vary};
-use egui::{Label, RichText, Ui, vec2};
+use egui::{Color32, Label, RichText, Ui, vec2};
 
 /// Doc, the three names, range, default, and why it may have no effect now.
 pub fn tooltip(ui: &mut Ui, def: &PropertyDef, material: &Material, row: &Row) {
@@ -68,15 +68,28 @@ pub fn value_text(value: Value) -> String {
     }
 }
 
-/// Lines under the editor: unit, range, unreadable text. Kept short; they take height only where they are needed.
+/// Shows lines under the editor. Their number stays while a button of the mouse is down, so that nothing moves under a drag.
 pub fn notes(ui: &mut Ui, def: &PropertyDef, slot: &Slot, row: &Row) {
-    let value = slot.value.unwrap_or(def.default);
-    let mut note = |color, text: String| {
+    let mut lines = lines(def, slot, row);
+    let id = ui.scope_id().with("notes");
+    let held = ui.data(|data| data.get_temp::<usize>(id)).filter(|_| ui.input(|i| i.pointer.any_down()));
+    match held {
+        Some(count) => lines.resize_with(count, || (Color32::TRANSPARENT, " ".to_owned())),
+        None => ui.data_mut(|data| _ = data.insert_temp(id, lines.len())),
+    }
+    for (color, text) in lines {
         ui.horizontal(|ui| {
             ui.add_space(GUTTER + label_width(ui) + ui.spacing().item_spacing.x);
             ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
         });
-    };
+    }
+}
+
+/// Unit, range, unreadable text. Kept short; they take height only where they are needed.
+fn lines(def: &PropertyDef, slot: &Slot, row: &Row) -> Vec<(Color32, String)> {
+    let value = slot.value.unwrap_or(def.default);
+    let mut lines = Vec::new();
+    let mut note = |color, text: String| lines.push((color, text));
     if let (Unit::Length, Value::Float(v)) = (def.unit, value) {
         let units = if v == 1.0 { "unit" } else { "units" };
         note(theme::now().weak, format!("{} {units} = {}", number::format(v, 4), length_text(v * row.unit_mm)));
@@ -111,6 +124,7 @@ pub fn notes(ui: &mut Ui, def: &PropertyDef, slot: &Slot, row: &Row) {
     {
         note(theme::now().weak, format!("no effect now: {}", reason.split(';').next_back().unwrap_or(reason).trim()));
     }
+    lines
 }
 
 /// A length in the unit that reads best.

@@ -2,8 +2,8 @@
 //! what another version of the material has.
 
 use crate::theme;
-use crate::widgets::number;
 use crate::widgets::number_field::{FINE, LOG_FLOOR, Scale, tidied, under_pointer};
+use crate::widgets::{gesture, number};
 use egui::{CornerRadius, Key, Modifiers, Rect, Response, Sense, StrokeKind, Ui, WidgetInfo, accesskit, pos2, vec2};
 
 /// What stands on a track.
@@ -98,13 +98,17 @@ impl Track<'_> {
         let modifiers = ui.input(|i| i.modifiers);
         // Where the handle is without rounding, and what Esc goes back to.
         let start = ui.data(|data| data.get_temp::<(f64, f64)>(id));
+        if response.drag_stopped() {
+            // Esc ends a drag, like letting go.
+            ui.data_mut(|data| data.remove::<(f64, f64)>(id));
+            return start.filter(|_| ui.input(|i| i.key_pressed(Key::Escape))).map(|(_, from)| {
+                gesture::cancel(ui.ctx());
+                from
+            });
+        }
         if (response.dragged() || response.clicked())
             && let Some(pointer) = response.interact_pointer_pos()
         {
-            if ui.input(|i| i.key_pressed(Key::Escape)) {
-                ui.ctx().stop_dragging();
-                return start.map(|(_, from)| from);
-            }
             let here = f64::from((pointer.x - rail.left()) / rail.width().max(1.0)).clamp(0.0, 1.0);
             let (t, from) = match start {
                 Some((t, from)) if modifiers.shift => {

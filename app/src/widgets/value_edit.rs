@@ -92,12 +92,12 @@ pub fn value_edit(ui: &mut Ui, def: &'static PropertyDef, material: &mut Materia
         });
     });
     let response = inner.response;
-    keys(ui, def, material.slot_mut(def.id), &response);
+    keys(ui, def, material.slot_mut(def.id), &response, row.unit_mm);
     (response, action)
 }
 
 /// Keys for the row under the pointer: Backspace resets, Ctrl+C and Ctrl+V (a colour whole with Alt as well) copy and paste.
-fn keys(ui: &Ui, def: &PropertyDef, slot: &mut Slot, response: &Response) {
+fn keys(ui: &Ui, def: &PropertyDef, slot: &mut Slot, response: &Response, unit_mm: f64) {
     let awaited = ui.data(|data| data.get_temp::<Property>(paste_target())) == Some(def.id);
     let is_under_pointer = response.contains_pointer() && !ui.ctx().text_edit_focused();
     if !(awaited || is_under_pointer) {
@@ -108,12 +108,14 @@ fn keys(ui: &Ui, def: &PropertyDef, slot: &mut Slot, response: &Response) {
         *slot = Slot::default();
         gesture::end(ui.ctx());
     }
-    if let Some(text) = take_copy_paste(ui, || exact_text(slot.value.unwrap_or(def.default))) {
+    let is_answered = awaited && ui.input(|i| i.events.iter().any(|event| matches!(event, egui::Event::Paste(_))));
+    if is_answered {
         ui.data_mut(|data| data.remove::<Property>(paste_target()));
-        if let Some(value) = pasted(def, &text) {
-            slot.value = Some(value);
-            gesture::end(ui.ctx());
-        }
+    }
+    if let Some(value) = take_copy_paste(ui, || exact_text(slot.value.unwrap_or(def.default)), |text| pasted(def, text, unit_mm))
+    {
+        slot.value = Some(value);
+        gesture::end(ui.ctx());
     }
 }
 
@@ -132,11 +134,13 @@ pub fn exact_text(value: Value) -> String {
 }
 
 /// The value that a copied text means for a property, brought into what edits may set; `None` if it means none.
-pub fn pasted(def: &PropertyDef, text: &str) -> Option<Value> {
+///
+/// `unit_mm` is millimetres per unit of length.
+pub fn pasted(def: &PropertyDef, text: &str, unit_mm: f64) -> Option<Value> {
     let range = edit_range(def);
     let limited = |x: f64| x.max(*range.start()).min(*range.end());
     match def.default.kind() {
-        Kind::Float => number::parse(text, def.unit, 1.0).map(|x| Value::Float(limited(x))),
+        Kind::Float => number::parse(text, def.unit, unit_mm).map(|x| Value::Float(limited(x))),
         Kind::Bool => match text.trim().to_lowercase().as_str() {
             "on" | "true" | "1" | "yes" => Some(Value::Bool(true)),
             "off" | "false" | "0" | "no" => Some(Value::Bool(false)),
@@ -276,6 +280,8 @@ fn float_edit(ui: &mut Ui, def: &PropertyDef, old: f64, material: &Material, row
     let number_width = (NUMBER_WIDTH * theme::text_scale(ui)).round();
     let width = (ui.available_width() - number_width - ui.spacing().item_spacing.x).max(30.0);
     let (track, moved) = Track { name: def.label, min, max, is_logarithmic, step, marks }.show(ui, width, old);
+    let range = edit_range(def);
+    let moved = moved.map(|v| v.max(*range.start()).min(*range.end())).filter(|v| *v != old);
     if track.double_clicked() {
         return Some(None);
     }
@@ -295,7 +301,7 @@ fn float_edit(ui: &mut Ui, def: &PropertyDef, old: f64, material: &Material, row
     let field = NumberField {
         scale,
         step,
-        range: edit_range(def),
+        range,
         unit: def.unit,
         unit_mm: row.unit_mm,
         ..NumberField::plain(def.label, number_width, 1.0)
@@ -377,12 +383,12 @@ mod tests {
     #[test]
     fn what_is_copied_is_pasted() {
         for def in burnish_material::PROPERTIES {
-            assert_eq!(pasted(def, &exact_text(def.default)), Some(def.default), "{}", def.name);
-            assert_eq!(pasted(def, "what?"), None, "{}", def.name);
+            assert_eq!(pasted(def, &exact_text(def.default), 100.0), Some(def.default), "{}", def.name);
+            assert_eq!(pasted(def, "what?", 100.0), None, "{}", def.name);
         }
         let color = Property::base_color.def();
-        assert_eq!(pasted(color, "#fff"), Some(Value::Color([1.0; 3])));
-        assert_eq!(pasted(color, "2 0.5 -1"), Some(Value::Color([1.0, 0.5, 0.0])), "brought into the range");
+        assert_eq!(pasted(color, "#fff", 100.0), Some(Value::Color([1.0; 3])));
+        assert_eq!(pasted(color, "2 0.5 -1", 100.0), Some(Value::Color([1.0, 0.5, 0.0])), "brought into the range");
     }
 
     #[test]
