@@ -7,6 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+/// Names a folder for screenshots: of the journey, and of windows in which something was waited for in vain.
+pub const SCREENSHOTS_VARIABLE: &str = "BURNISH_SCREENSHOTS";
 /// Longest wait for anything that the window shows: a software adapter on a busy machine is slow.
 const PATIENCE: Duration = Duration::from_secs(90);
 /// What a slow frame takes: keys that come in the same frame as the click before them would go elsewhere.
@@ -15,6 +17,8 @@ const SLOW_FRAME: Duration = Duration::from_millis(700);
 pub const SIZE: (u32, u32) = (1280, 800);
 /// The field that filters the properties, where its text begins.
 const SEARCH: (u32, u32) = (925, 64);
+/// The button that empties it.
+const CLEAR: (u32, u32) = (1268, 65);
 /// The row that a search finds first: the height of its middle.
 pub const ROW: u32 = 111;
 /// The middle of its label, and of its number.
@@ -174,20 +178,20 @@ impl Window {
     /// Types into the search field of the properties, and leaves the keyboard to the window.
     pub fn find_rows(&self, query: &str) {
         self.wait_for_change("the rows to be searched", ROWS, 0.05, || {
+            self.click(1, CLEAR);
             self.type_into(SEARCH, query);
             self.click(1, NOTHING);
         });
         pause();
     }
 
-    /// Clicks into a field whose middle this is, and types instead of what it holds.
+    /// Clicks into a number field, or an empty one, and types instead of what it holds.
     pub fn type_into(&self, (x, y): (u32, u32), text: &str) {
         let field = field((x, y));
         act(&format!("mousemove {x} {y}"));
         pause();
         self.wait_for_change("the field to take the keyboard", field, 0.5, || act("click 1"));
-        // Text fields mark what they hold, but for a search.
-        self.key("ctrl+a");
+        pause();
         self.wait_for_change(&format!("“{text}” in the field"), field, 0.5, || self.type_text(text));
     }
 
@@ -215,6 +219,11 @@ impl Window {
 
 impl Drop for Window {
     fn drop(&mut self) {
+        if std::thread::panicking()
+            && let (Some(folder), Some(picture)) = (std::env::var_os(SCREENSHOTS_VARIABLE), self.picture())
+        {
+            _ = picture.save(Path::new(&folder).join(format!("failed-{}.png", self.child.id())));
+        }
         // It may have ended already.
         _ = self.child.kill();
         _ = self.child.wait();

@@ -1,11 +1,9 @@
 //! An artist tweaks one material, minute by minute: open, turn, type, drag, compare, map, final view, difference, save, crash, restore.
 
-use crate::hands::{LABEL, Part, ROW, SIZE, Window, difference, field, hands, pause, wait};
+use crate::hands::{LABEL, Part, ROW, SCREENSHOTS_VARIABLE, SIZE, Window, difference, field, hands, pause, wait};
 use image::{Rgb, RgbImage};
 use std::path::PathBuf;
 
-/// Names the folder for a screenshot of each minute; without it they go where they are deleted.
-const SCREENSHOTS_VARIABLE: &str = "BURNISH_SCREENSHOTS";
 /// The picture between presets and properties, and the ball in it, while the photo stands at its right.
 const VIEW: Part = [214, 190, 464, 420];
 const BALL: Part = [330, 230, 230, 230];
