@@ -5,7 +5,7 @@ use burnish::command::Command;
 use burnish::dialogs::PreparedDialogs;
 use burnish_material::{Kind, Material, PROPERTIES, Property, PropertyDef, Slot, Value};
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase, Vec2, vec2};
+use egui::{Context, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase, Vec2, vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, Node};
 use std::path::PathBuf;
@@ -22,11 +22,18 @@ pub const CTRL: Modifiers = Modifiers { ctrl: true, command: true, ..Modifiers::
 
 /// A window of a size in points, whose file dialogs answer with these paths in turn, and then cancel.
 pub fn window_of(size: Vec2, paths: Vec<PathBuf>) -> Window {
+    window_with(size, paths, |app, _| app)
+}
+
+/// The same, with an application that is prepared when it is made.
+pub fn window_with(size: Vec2, paths: Vec<PathBuf>, prepare: impl Fn(App, &Context) -> App + 'static) -> Window {
     let mut window = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).build_ui_state(
         move |ui: &mut egui::Ui, app: &mut Option<App>| {
-            let paths = paths.clone();
-            let app =
-                app.get_or_insert_with(|| App::new(ui.ctx(), None, Box::new(PreparedDialogs::new(paths))).without_final_view());
+            let dialogs = PreparedDialogs::new(paths.clone());
+            let app = app.get_or_insert_with(|| {
+                let app = App::new(ui.ctx(), None, Box::new(dialogs)).without_final_view();
+                prepare(app, ui.ctx())
+            });
             app.frame(ui);
         },
         None,

@@ -1,12 +1,15 @@
 //! The pages over the window: finding things, preferences that hold at once, keys of one's own, references.
 
 use burnish::command::Command;
+use burnish::dock::{Dock, Pane};
+use burnish::layout_file::save_layout;
+use burnish::places::Places;
 use burnish::preferences::MouseScheme;
 use burnish::theme::{self, ThemeName};
 use burnish_material::{MaterialFile, PROPERTIES, Property, Value};
 use burnish_tests::window::{
-    CTRL, Window, app, app_mut, click, drag, key, material, press, rect, release, send, set_document, settle, slot, text, window,
-    window_of,
+    CTRL, HIGH, Window, app, app_mut, click, drag, gesture, key, material, press, rect, release, send, set_document, settle,
+    slot, text, window, window_of, window_with,
 };
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, vec2};
@@ -215,4 +218,19 @@ fn files_that_were_open_are_found_again() {
     press(&mut window, Command::Undo);
     press(&mut window, Command::PreviousTab);
     assert_eq!(slot(&window, Property::coat).value, Some(Value::Float(0.5)), "undo belongs to a document");
+}
+
+#[test]
+fn edits_are_steps_also_where_the_view_is_behind_another_tab() {
+    let mut dock = Dock::default();
+    let [view, lobes] = [Pane::View, Pane::Lobes].map(|pane| dock.tree.tiles.find_pane(&pane).expect("every pane is there"));
+    let tabs = dock.tree.tiles.parent_of(lobes).expect("it has tabs");
+    dock.tree.move_tile_to_container(view, tabs, 0, false);
+    dock.tree.make_active(|tile, _| tile == lobes);
+    let folder = tempfile::tempdir().expect("a folder");
+    save_layout(folder.path(), &dock.to_text().expect("a layout")).expect("it can be written");
+    let places = Places { state: Some(folder.path().to_owned()), ..Places::default() };
+    let mut window = window_with(HIGH, Vec::new(), move |app, ctx| app.keep_in(places.clone(), ctx));
+    assert!(!app(&window).dock().is_drawn(Pane::View) && app(&window).dock().is_drawn(Pane::Lobes));
+    gesture(&mut window, Property::roughness.def(), "a text", |window| type_number(window, "Roughness", "0.7"));
 }

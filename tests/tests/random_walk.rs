@@ -174,7 +174,8 @@ fn walk(seed: u64) {
         for _ in 0..undone {
             app_mut(&mut window).carry_out(Command::Redo, &ctx);
         }
-        assert!(text(&window) == last, "walk {seed}: {undone} steps back and forth");
+        let again = text(&window);
+        assert!(again == last, "walk {seed}: {undone} steps back and forth made of\n{last}\nthis:\n{again}");
         app_mut(&mut window).carry_out(Command::NextTab, &ctx);
         window.step();
     }

@@ -104,6 +104,11 @@ impl App {
                 dock.toggle(pane);
             }
             self.dock = dock;
+            // The view tells everybody what changed; behind another tab it is not drawn.
+            if !self.drawn.contains(&Pane::View) {
+                let ctx = ui.ctx().clone();
+                self.sync(&ctx);
+            }
         });
         if !self.drawn.contains(&Pane::Stability)
             && let Some(stability) = &mut self.stability
