@@ -69,16 +69,21 @@ impl LiveFinal {
         self.pending = Some((scene, settings));
     }
 
-    /// Stops working; the last picture stays.
+    /// Stops working. The last picture goes: by the time the view is shown again, it may be of another scene and another shape.
     pub fn pause(&mut self) {
         self.pending = None;
         self.requested = None;
         self.worker.pause();
+        (self.snapshot, self.sampled, self.denoised) = (None, None, None);
+        (self.texture, self.sent, self.label) = (None, None, None);
     }
 
     /// Sends what is pending, takes the newest picture and has it developed, denoised if that is switched on and done. Once per frame.
     pub fn update(&mut self, ctx: &Context, display: Display, is_denoise_on: bool) {
-        if let Some(snapshot) = self.worker.snapshot() {
+        // After a pause the worker may still hold a picture of before.
+        let requested = self.requested.map(|(revision, _)| revision);
+        let is_wanted = |revision| self.snapshot.is_some() || requested.is_some_and(|requested| revision >= requested);
+        if let Some(snapshot) = self.worker.snapshot().filter(|snapshot| is_wanted(snapshot.revision)) {
             if snapshot.samples.is_some() {
                 self.sampled = Some(snapshot.clone());
             }
@@ -101,7 +106,7 @@ impl LiveFinal {
                 self.sent = Some((snapshot.clone(), display));
             }
         }
-        if let Some((image, label)) = self.developer.take() {
+        if let Some((image, label)) = self.developer.take().filter(|_| self.sent.is_some()) {
             self.label = label;
             // Blocks of a coarse picture would flicker while a camera is dragged; the status line says how far it is.
             match &mut self.texture {

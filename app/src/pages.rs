@@ -44,6 +44,8 @@ pub struct Pages {
     pub search: String,
     /// Which of the found is marked.
     pub marked: usize,
+    /// Enter came together with the text it is for: the row is chosen once that was searched for.
+    pub is_confirmed: bool,
     /// The command whose new keys are to be pressed next.
     pub recording: Option<Command>,
 }

@@ -101,7 +101,8 @@ pub fn show(ctx: &Context, name: &str, hint: &str, pages: &mut Pages, found: &[F
     if up {
         pages.marked = pages.marked.saturating_sub(1);
     }
-    let mut chosen = enter.then_some(pages.marked).filter(|index| *index < found.len());
+    let is_confirmed = std::mem::take(&mut pages.is_confirmed);
+    let mut chosen = (enter || is_confirmed).then_some(pages.marked).filter(|index| *index < found.len());
     let area = Modal::default_area(Id::unique("palette")).anchor(Align2::CENTER_TOP, [0.0, 70.0]);
     let response = Modal::new(Id::unique("palette")).area(area).show(ctx, |ui| {
         ui.set_width(460.0);
@@ -109,6 +110,11 @@ pub fn show(ctx: &Context, name: &str, hint: &str, pages: &mut Pages, found: &[F
         let edit = ui.add(edit).accessible_name(name);
         if edit.changed() {
             pages.marked = 0;
+            // What was found is not yet what is typed: a slow frame takes both at once.
+            if enter {
+                (chosen, pages.is_confirmed) = (None, true);
+                ui.request_repaint();
+            }
         }
         edit.request_focus();
         ui.add_space(4.0);
@@ -144,5 +150,26 @@ mod tests {
         assert_eq!(first("gold").map(|text| text.contains("Gold")), Some(true));
         assert_eq!(first("no such thing"), None);
         assert!(find("", &Keymap::default(), |_| true).len() > 30);
+    }
+
+    #[test]
+    fn enter_waits_for_the_text_that_came_with_it() {
+        let ctx = Context::default();
+        let mut pages = Pages::default();
+        let mut frame = |events: Vec<egui::Event>| {
+            let found = find(&pages.search, &Keymap::default(), |_| true);
+            let mut chosen = None;
+            let mut output = ctx.run_ui(egui::RawInput { events, ..Default::default() }, |ui| {
+                chosen = show(ui.ctx(), "Find", "", &mut pages, &found).0.or(chosen);
+            });
+            // Nothing is drawn here, so the font's texture is dropped on purpose.
+            output.textures_delta.clear();
+            chosen.map(|index| found[index].text.clone())
+        };
+        let enter =
+            egui::Event::Key { key: Key::Enter, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
+        assert_eq!((frame(Vec::new()), frame(Vec::new())), (None, None));
+        assert_eq!(frame(vec![egui::Event::Text("save as".into()), enter]), None);
+        assert_eq!(frame(Vec::new()).as_deref(), Some("Save as…"));
     }
 }

@@ -63,6 +63,11 @@ pub struct NumberField<'a> {
     pub format: fn(f64) -> String,
 }
 
+/// In which pass a typed number was left with Tab, so that the next field drawn takes the focus.
+fn tabbed() -> Id {
+    Id::unique("a typed number was left with Tab")
+}
+
 /// A drag that goes on: where it began, and where it is without rounding.
 #[derive(Clone, Copy, Default)]
 struct Drag {
@@ -98,6 +103,9 @@ impl<'a> NumberField<'a> {
     fn show_inner(self, ui: &mut Ui, old: f64) -> Option<f64> {
         // The same in both states, so that the keyboard finds it again.
         let id = ui.next_auto_id();
+        if ui.is_enabled() && ui.data_mut(|data| data.remove_temp::<u64>(tabbed())) == Some(ui.ctx().cumulative_pass_nr()) {
+            ui.memory_mut(|memory| memory.request_focus(id));
+        }
         let is_typing = ui.is_enabled()
             && ui.memory_mut(|memory| {
                 memory.interested_in_focus(id, ui.layer_id());
@@ -110,6 +118,11 @@ impl<'a> NumberField<'a> {
             && !ui.input(|i| i.key_pressed(Key::Escape))
         {
             new = self.typed(ui, &text, old).or(new);
+            // Numbers are typed one after the other. Tab without typing stops at everything between.
+            if new.is_some() && ui.input(|i| i.key_pressed(Key::Tab) && !i.modifiers.shift) {
+                let pass = ui.ctx().cumulative_pass_nr();
+                ui.data_mut(|data| data.insert_temp(tabbed(), pass));
+            }
         }
         let response = if is_typing { self.text(ui, id, old, &mut new) } else { self.button(ui, old, &mut new) };
         response.widget_info(|| WidgetInfo::drag_value(ui.is_enabled(), new.unwrap_or(old)));

@@ -12,7 +12,7 @@ pub const SCREENSHOTS_VARIABLE: &str = "BURNISH_SCREENSHOTS";
 /// Longest wait for anything that the window shows: a software adapter on a busy machine is slow.
 const PATIENCE: Duration = Duration::from_secs(90);
 /// What a slow frame takes: keys that come in the same frame as the click before them would go elsewhere.
-const SLOW_FRAME: Duration = Duration::from_millis(700);
+const SLOW_FRAME: Duration = Duration::from_millis(500);
 /// The window's size at start; without a window manager it stands at the display's corner.
 pub const SIZE: (u32, u32) = (1280, 800);
 /// The field that filters the properties, where its text begins.
@@ -171,7 +171,8 @@ impl Window {
         for i in 1..=STEPS {
             words += &format!(" mousemove {} {} sleep 0.12", between(from.0, to.0, i), between(from.1, to.1, i));
         }
-        act(&format!("{words} mouseup {button} sleep 0.3{up}"));
+        // A drag that begins and ends between two frames would be none.
+        act(&format!("{words} sleep 0.7 mouseup {button} sleep 0.3{up}"));
         pause();
     }
 
