@@ -215,8 +215,11 @@ fn tab_commits_and_goes_on() {
             key(window, Modifiers::NONE, Key::Tab);
             window.run_steps(2);
             assert_eq!(number(window, def), 0.3125, "{}", def.name);
+            // Numbers are typed one after the other; nothing comes after the last.
             let next = focused(window);
-            assert!(next.as_ref().is_some_and(|(_, next)| *next != name && next.contains(def.label)), "{}: {next:?}", def.name);
+            let is_last = numeric().last().is_some_and(|last| last.id == def.id);
+            let is_next = |(role, next): &(Role, String)| *next != name && (is_last || *role == Role::SpinButton);
+            assert!(next.as_ref().is_some_and(is_next), "{}: {next:?}", def.name);
             // So that the keys for undo are not taken by the field that is next.
             key(window, Modifiers::NONE, Key::Escape);
         });

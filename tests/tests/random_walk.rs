@@ -187,7 +187,6 @@ fn asked(name: &str) -> Option<u64> {
 }
 
 #[test]
-#[ignore = "not yet seen to pass on a quiet machine; run with --ignored"]
 fn undo_leads_back_from_anywhere() {
     if let Some(seed) = asked("BURNISH_WALK") {
         return walk(seed);

@@ -90,6 +90,8 @@ fn shader_twins_lie_beside_each_other() {
             Some("wgsl") if stem == "numbers" => continue,
             // Makes the numbers that shaders read.
             Some("rs") if stem == "fill" => continue,
+            // Pixels are explained by the path tracer alone.
+            Some("rs") if stem == "parts" => continue,
             // Only the path tracer follows light from its source.
             Some("rs") if stem == "adjoint" => continue,
             Some("rs") if stem == "mod" => bsdf.join("bsdf.wgsl"),
