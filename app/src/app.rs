@@ -59,8 +59,6 @@ pub struct App {
     keymap: Keymap,
     messages: Messages,
     dock: Dock,
-    /// What was drawn in this frame.
-    drawn: Vec<Pane>,
     /// The tile of the view.
     view_tile: Option<egui_tiles::TileId>,
     /// What is to be shown or hidden once the tree is drawn.
@@ -140,7 +138,6 @@ impl App {
             keymap: Keymap::default(),
             messages,
             dock: Dock::default(),
-            drawn: Vec::new(),
             view_tile: None,
             to_toggle: Vec::new(),
             pages: Pages::default(),

@@ -33,6 +33,11 @@ impl Random {
         a + (b - a) * self.unit()
     }
 
+    /// The next whole number below `count`.
+    pub fn below(&mut self, count: usize) -> usize {
+        (self.unit() * count as f64) as usize
+    }
+
     /// True that often.
     pub fn chance(&mut self, p: f64) -> bool {
         self.unit() < p

@@ -2,15 +2,13 @@
 
 use burnish::app::App;
 use burnish::command::Command;
-use burnish::dialogs::PreparedDialogs;
 use burnish::places::Places;
 use burnish_material::{Channel, Material, MaterialFile, Property, Slot, TextureRef, Value};
-use egui_kittest::Harness;
+use burnish_tests::window::{Window, app, app_mut, material, window_with};
+use egui::vec2;
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-
-type Window = Harness<'static, Option<App>>;
 
 /// Longest wait for anything that happens in the background.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -23,31 +21,7 @@ fn places(folder: &Path) -> Places {
 /// A window that keeps what it remembers in `folder`, and answers dialogs with `paths`.
 fn window(folder: &Path, paths: Vec<PathBuf>) -> Window {
     let places = places(folder);
-    let mut window = Harness::builder().with_size([1280.0, 1600.0]).build_ui_state(
-        move |ui: &mut egui::Ui, app: &mut Option<App>| {
-            let app = app.get_or_insert_with(|| {
-                let dialogs = PreparedDialogs::new(paths.clone());
-                App::new(ui.ctx(), None, Box::new(dialogs)).without_final_view().keep_in(places.clone(), ui.ctx())
-            });
-            app.frame(ui);
-        },
-        None,
-    );
-    window.run_steps(3);
-    until(&mut window, "the first scene", |app| !app.is_loading());
-    window
-}
-
-fn app(window: &Window) -> &App {
-    window.state().as_ref().expect("the first frame makes it")
-}
-
-fn app_mut(window: &mut Window) -> &mut App {
-    window.state_mut().as_mut().expect("the first frame makes it")
-}
-
-fn material(window: &Window) -> &Material {
-    &app(window).editor().document.material
+    window_with(vec2(1280.0, 1600.0), paths, move |app, ctx| app.keep_in(places.clone(), ctx))
 }
 
 fn until(window: &mut Window, what: &str, holds: impl Fn(&App) -> bool) {
@@ -215,7 +189,7 @@ fn a_folder_of_images_becomes_the_maps_it_is_named_after() {
     carry_out(&mut window, Command::LoadTextureSet);
     until(&mut window, "the set", |app| !app.is_loading() && app.history().undo_label().is_some());
     for property in [Property::base_color, Property::roughness, Property::normal] {
-        let texture = material(&window).slot(property).texture.as_ref().expect("it has a map");
+        let texture = material(&window).slot(property).texture.clone().expect("it has a map");
         assert!(app(&window).editor().document.textures.contains_key(&texture.path));
     }
     assert_eq!(material(&window).slot(Property::base_color).texture.as_ref().map(|t| t.channel), Some(Channel::Rgb));

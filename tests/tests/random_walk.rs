@@ -5,6 +5,7 @@
 
 use burnish::command::{COMMANDS, Command};
 use burnish_material::{Kind, PROPERTIES, PropertyDef, Slot, TextureRef, Value, Vary};
+use burnish_tests::number::Random;
 use burnish_tests::window::{Window, app, app_mut, button, settle, text, window_of};
 use egui::{Event, Key, Modifiers, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
@@ -18,28 +19,6 @@ const WALKS: u64 = 24;
 const PATIENCE: Duration = Duration::from_secs(40);
 /// Small, since what lies outside is not painted.
 const SIZE: egui::Vec2 = vec2(900.0, 600.0);
-
-/// SplitMix64: the same walk from the same seed everywhere.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Below `count`.
-    fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
-    }
-
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 /// What a walk begins with: a file with comments, an unknown key, a value that cannot be read, and numbers in spellings of their own.
 const FILE: &str = "// mine\n{\n    \"asm\": \"4.0\",\n    \"name\": \"walked\", // a name\n    \"properties\": {\n        \"roughness\": 2.50e-1,\n        \
@@ -130,7 +109,7 @@ fn walk(seed: u64) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("walked.asm.ron");
     std::fs::write(&path, FILE).expect("it can be written");
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut window = window_of(SIZE, Vec::new());
     let fresh = text(&window);
     let ctx = window.ctx.clone();

@@ -208,7 +208,7 @@ impl App {
             Command::Palette => self.pages.open(Page::Palette),
             Command::Help => {
                 let row = ctx.pointer_latest_pos().and_then(|place| self.properties.row_at(place));
-                let is_shown = self.drawn.contains(&Pane::Properties) && self.editor.view.are_panels_shown;
+                let is_shown = self.dock.is_drawn(Pane::Properties) && self.editor.view.are_panels_shown;
                 match row.filter(|_| is_shown) {
                     Some(property) => self.pages.open(Page::Reference(property)),
                     None => self.pages.open(Page::Help),

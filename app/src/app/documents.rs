@@ -1,6 +1,7 @@
 //! Documents: opening, saving, closing, and what other programs do to their files.
 
 use super::App;
+use super::pages::{Answer, question};
 use crate::dialogs::{Purpose, Question};
 use crate::dock::Pane;
 use crate::editor::Document;
@@ -11,7 +12,7 @@ use crate::tabs::Work;
 use burnish_assets::Image;
 use burnish_material::{MaterialFile, Property, Slot, TextureRef};
 use burnish_presets::Preset;
-use egui::{Context, Modal, ViewportCommand};
+use egui::{Context, ViewportCommand};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -103,30 +104,21 @@ impl App {
     pub(super) fn ask_about_unsaved(&mut self, ctx: &Context) {
         let Some(after) = self.asking else { return };
         let title = self.editor.document.title();
-        let response = Modal::new(egui::Id::unique("unsaved")).show(ctx, |ui| {
-            ui.set_width(340.0);
-            ui.heading("Unsaved changes");
-            ui.add_space(4.0);
+        let answers = [("Save", ""), ("Don’t save", ""), ("Cancel", "")];
+        let answer = question(ctx, "Unsaved changes", &answers, |ui| {
             ui.label(format!("“{title}” has changes that are not saved."));
-            ui.add_space(10.0);
-            ui.horizontal(|ui| {
-                let save = ui.button("Save").clicked();
-                let discard = ui.button("Don’t save").clicked();
-                let cancel = ui.button("Cancel").clicked();
-                (save, discard, cancel)
-            })
-            .inner
         });
-        let (save, discard, cancel) = response.inner;
-        if save {
-            self.asking = None;
-            self.after_save = Some(after);
-            self.save(ctx);
-        } else if discard {
-            self.asking = None;
-            self.go_on(after, ctx);
-        } else if cancel || response.should_close() {
-            self.asking = None;
+        if matches!(answer, Answer::Waiting) {
+            return;
+        }
+        self.asking = None;
+        match answer {
+            Answer::Chosen(0) => {
+                self.after_save = Some(after);
+                self.save(ctx);
+            }
+            Answer::Chosen(1) => self.go_on(after, ctx),
+            Answer::Chosen(_) | Answer::None | Answer::Waiting => {}
         }
     }
 

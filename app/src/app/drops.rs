@@ -1,6 +1,7 @@
 //! What dropped files do: shown before they are let go, refused with a reason.
 
 use super::App;
+use crate::dock::Pane;
 use crate::files;
 use crate::loading::Job;
 use crate::panels::viewport;
@@ -63,7 +64,7 @@ impl App {
             let dropped: Vec<PathBuf> = i.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect();
             (hovered, dropped)
         });
-        let is_shown = self.drawn.contains(&crate::dock::Pane::Properties);
+        let is_shown = self.dock.is_drawn(Pane::Properties) && self.editor.view.are_panels_shown;
         let row = ctx.pointer_latest_pos().and_then(|place| self.properties.row_at(place)).filter(|_| is_shown);
         let mapped = row.filter(|property| property.def().vary != burnish_material::Vary::Uniform);
         if let Some(path) = hovered.first() {

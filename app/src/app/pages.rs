@@ -1,6 +1,7 @@
 //! The pages over the window, and what is chosen in them.
 
 use super::App;
+use crate::dock::Pane;
 use crate::loading::Job;
 use crate::pages::Page;
 use crate::panels::help;
@@ -61,8 +62,8 @@ impl App {
         match chosen.map(|index| found[index].choice.clone()) {
             Some(Choice::Command(command)) => self.carry_out(command, ctx),
             Some(Choice::Property(property)) => {
-                if !self.dock.is_drawn(crate::dock::Pane::Properties) {
-                    self.dock.set_shown(crate::dock::Pane::Properties, true);
+                if !self.dock.is_drawn(Pane::Properties) {
+                    self.dock.set_shown(Pane::Properties, true);
                 }
                 self.editor.view.are_panels_shown = true;
                 self.properties.go_to(property);
@@ -86,10 +87,8 @@ impl App {
     }
 
     fn recovery_page(&mut self, ctx: &Context) {
-        let response = Modal::new(Id::unique("recovery")).show(ctx, |ui| {
-            ui.set_width(420.0);
-            ui.heading("Unsaved work from last time");
-            ui.add_space(4.0);
+        let answers = [("Bring back", ""), ("Throw away", ""), ("Ask again next time", "")];
+        let answer = question(ctx, "Unsaved work from last time", &answers, |ui| {
             ui.label("Burnish ended without saving these:");
             for kept in self.keeping.left.iter().flat_map(crate::recovery::Abandoned::documents) {
                 let age = SystemTime::now().duration_since(kept.when).map_or(0.0, |age| age.as_secs_f64());
@@ -97,57 +96,75 @@ impl App {
                 ui.label(format!("• {}: as it was {} ago", kept.title, crate::panels::chart::duration(age.max(1.0))));
                 ui.label(RichText::new(format!("   {place}")).small().weak());
             }
-            ui.add_space(10.0);
-            ui.horizontal(|ui| {
-                let bring = ui.button("Bring back").clicked();
-                let discard = ui.button("Throw away").clicked();
-                let later = ui.button("Ask again next time").clicked();
-                (bring, discard, later)
-            })
-            .inner
         });
-        let (bring, discard, later) = response.inner;
-        if bring || discard {
-            self.take_left(bring, ctx);
+        match answer {
+            Answer::Waiting => return,
+            Answer::Chosen(0) => self.take_left(true, ctx),
+            Answer::Chosen(1) => self.take_left(false, ctx),
+            Answer::Chosen(_) | Answer::None => {}
         }
-        if bring || discard || later || response.should_close() {
-            self.pages.close();
-        }
+        self.pages.close();
     }
 
     fn ask_about_change(&mut self, ctx: &Context) {
         let Some(change) = self.pages.change().cloned() else { return };
-        let response = Modal::new(Id::unique("changed outside")).show(ctx, |ui| {
-            ui.set_width(400.0);
-            ui.heading("Changed by another program");
-            ui.add_space(4.0);
+        let answers = [("Reload", ""), ("Compare", "Show both beside each other; nothing is changed"), ("Keep what is here", "")];
+        let answer = question(ctx, "Changed by another program", &answers, |ui| {
             ui.label(format!("“{}” is not any more what is on disk:", change.title));
             ui.label(RichText::new(change.path.display().to_string()).small().weak());
             if change.is_modified {
                 ui.label("It has changes here as well; reloading is one step that undo takes back.");
             }
-            ui.add_space(10.0);
-            ui.horizontal(|ui| {
-                let reload = ui.button("Reload").clicked();
-                let compare = ui.button("Compare").on_hover_text("Show both beside each other; nothing is changed").clicked();
-                let keep = ui.button("Keep what is here").clicked();
-                (reload, compare, keep)
-            })
-            .inner
         });
-        let (reload, compare, keep) = response.inner;
-        if reload || compare || keep || response.should_close() {
-            self.pages.take_change();
-        }
-        if reload {
-            self.loader.start(Job::Reload(change.id, change.path.clone()), ctx);
-        }
-        if compare {
-            if let Some(place) = self.tabs.place_of(change.id) {
-                self.with_front(|tabs, front| tabs.bring_to_front(place, front));
+        match answer {
+            Answer::Waiting => return,
+            Answer::Chosen(0) => self.loader.start(Job::Reload(change.id, change.path), ctx),
+            Answer::Chosen(1) => {
+                if let Some(place) = self.tabs.place_of(change.id) {
+                    self.with_front(|tabs, front| tabs.bring_to_front(place, front));
+                }
+                self.loader.start(Job::Compare(change.id, change.path), ctx);
             }
-            self.loader.start(Job::Compare(change.id, change.path), ctx);
+            Answer::Chosen(_) | Answer::None => {}
         }
+        self.pages.take_change();
+    }
+}
+
+/// What came of a question.
+pub(super) enum Answer {
+    /// Nothing yet.
+    Waiting,
+    /// The answer of this place.
+    Chosen(usize),
+    /// It was closed without one.
+    None,
+}
+
+/// Asks over the whole window; each answer is a button with a tooltip, which may be empty.
+pub(super) fn question(ctx: &Context, title: &str, answers: &[(&str, &str)], body: impl FnOnce(&mut egui::Ui)) -> Answer {
+    let response = Modal::new(Id::unique("question").with(title)).show(ctx, |ui| {
+        ui.set_width(400.0);
+        ui.heading(title);
+        ui.add_space(4.0);
+        body(ui);
+        ui.add_space(10.0);
+        let mut chosen = None;
+        ui.horizontal(|ui| {
+            for (index, (text, tip)) in answers.iter().enumerate() {
+                let button = ui.button(*text);
+                let button = if tip.is_empty() { button } else { button.on_hover_text(*tip) };
+                if button.clicked() {
+                    chosen = Some(index);
+                }
+            }
+        });
+        chosen
+    });
+    match response.inner {
+        Some(index) => Answer::Chosen(index),
+        None if response.should_close() => Answer::None,
+        None => Answer::Waiting,
     }
 }
 

@@ -3,7 +3,8 @@
 use super::App;
 use crate::dock::{Dock, Pane};
 use crate::live_stability::LiveStability;
-use crate::panels::viewport::{self, Tools, Wish};
+use crate::panels::toolbar::{self, Tools, Wish};
+use crate::panels::viewport;
 use crate::panels::{history, hold, messages, stability, status};
 use crate::theme;
 use burnish_material::LobeSet;
@@ -93,7 +94,7 @@ impl App {
             }
             ui.painter().rect_filled(ui.max_rect(), 0, theme::now().bar);
             let mut dock = std::mem::replace(&mut self.dock, Dock::empty());
-            self.drawn = Pane::ALL.into_iter().filter(|pane| dock.is_drawn(*pane)).collect();
+            let has_view = dock.is_drawn(Pane::View);
             self.view_tile = dock.tree.tiles.find_pane(&Pane::View);
             let mut panes = Panes { app: self, closed: Vec::new() };
             dock.tree.ui(&mut panes, ui);
@@ -105,12 +106,12 @@ impl App {
             }
             self.dock = dock;
             // The view tells everybody what changed; behind another tab it is not drawn.
-            if !self.drawn.contains(&Pane::View) {
+            if !has_view {
                 let ctx = ui.ctx().clone();
                 self.sync(&ctx);
             }
         });
-        if !self.drawn.contains(&Pane::Stability)
+        if !self.dock.is_drawn(Pane::Stability)
             && let Some(stability) = &mut self.stability
         {
             stability.forget();
@@ -170,7 +171,7 @@ impl App {
                 small: &mut self.small,
                 debug: &mut self.debug,
             };
-            match viewport::toolbar(ui, &mut self.editor, &mut tools) {
+            match toolbar::show(ui, &mut self.editor, &mut tools) {
                 Some(Wish::Command(command)) => self.carry_out(command, &ctx),
                 Some(Wish::Load(job)) => self.loader.start(job, &ctx),
                 None => {}

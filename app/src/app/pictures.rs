@@ -35,7 +35,7 @@ impl App {
                 let texture = self.draw_preview(&ctx);
                 let notes = self.preview.complaint().into_iter().collect();
                 let problem = self.preview.problem();
-                let picture = Picture { texture, name: "Preview", notes, label: None, reserved: 0.0, problem };
+                let picture = Picture { texture, name: "Preview", notes, label: None, problem };
                 let picture = self.debugged(picture);
                 if mode != ViewMode::Difference {
                     let way = viewport::paint(ui, rect, part_of(rect, true), &picture, is_named || self.debug.choice().is_some());
@@ -72,8 +72,7 @@ impl App {
             (layout.final_view, false, current, format!("Side {here}, being edited"), None),
         ] {
             let Some(rect) = rect else { continue };
-            let picture =
-                Picture { texture, name: &name, notes: Vec::new(), label, reserved: 0.0, problem: self.preview.problem() };
+            let picture = Picture { texture, name: &name, notes: Vec::new(), label, problem: self.preview.problem() };
             let way = viewport::paint(ui, rect, part_of(rect, is_left), &picture, true);
             self.take_way(way, &ctx);
         }
@@ -88,7 +87,7 @@ impl App {
         if self.editor.view.mode == ViewMode::Difference {
             return self.paint_difference(ui, rect);
         }
-        let mut picture = Picture { texture: None, name: "Final", notes: Vec::new(), label: None, reserved: 0.0, problem: None };
+        let mut picture = Picture { texture: None, name: "Final", notes: Vec::new(), label: None, problem: None };
         if let Some(view) = &mut self.final_view {
             picture.texture = view.texture().map(|texture| texture.id());
             picture.notes.clone_from(&self.left_out);
@@ -148,7 +147,7 @@ impl App {
         let texture = self.difference.texture().map(|texture| texture.id());
         let label = (!self.difference.text().is_empty()).then(|| self.difference.text().to_owned());
         let problem = self.preview.problem();
-        let picture = Picture { texture, name: "Difference", notes: Vec::new(), label, reserved: 0.0, problem };
+        let picture = Picture { texture, name: "Difference", notes: Vec::new(), label, problem };
         let way = viewport::paint(ui, rect, rect, &picture, true);
         self.take_way(way, &ui.ctx().clone());
     }

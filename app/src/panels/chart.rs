@@ -5,7 +5,7 @@ use super::axis::LogAxis;
 use crate::theme;
 use crate::widgets::number;
 use burnish_renderer::path::{Convergence, ErrorPoint, Prediction};
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// Height of a line of text.
 const LINE: f32 = 14.0;
@@ -77,13 +77,6 @@ pub fn duration(seconds: f64) -> String {
         s if s < 172_800.0 => format!("{:.0} h", s / 3600.0),
         s => format!("{:.0} days", s / 86_400.0),
     }
-}
-
-/// Size of the chart in a picture of this size; `None` where there is no room for it.
-pub fn size(picture: Vec2) -> Option<Vec2> {
-    let width = (0.4 * picture.x).clamp(225.0, 360.0);
-    let size = vec2(width, 0.66 * width);
-    (picture.x >= size.x + 20.0 && picture.y >= size.y + 80.0).then_some(size)
 }
 
 /// Shows the chart in a rectangle.
@@ -226,10 +219,14 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_chart_follows_the_size_of_the_picture() {
-        assert_eq!(size(vec2(200.0, 900.0)), None);
-        assert_eq!(size(vec2(900.0, 150.0)), None);
-        let [small, large] = [vec2(330.0, 500.0), vec2(900.0, 600.0)].map(|picture| size(picture).expect("there is room").x);
-        assert!(small < large && large <= 360.0);
+    fn the_chart_can_be_drawn_in_any_rectangle() {
+        let ctx = egui::Context::default();
+        let curve = ErrorCurve::new(&history(5), Some(1e-4), false).expect("five estimates");
+        for size in [vec2(0.0, 0.0), vec2(30.0, 400.0), vec2(400.0, 30.0), vec2(400.0, 300.0)] {
+            let mut output =
+                ctx.run_ui(egui::RawInput::default(), |ui| show(ui, Rect::from_min_size(pos2(9.0, 9.0), size), &curve));
+            // Nothing is shown here, so the font's texture is dropped on purpose.
+            output.textures_delta.clear();
+        }
     }
 }

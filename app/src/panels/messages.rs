@@ -1,4 +1,4 @@
-//! Messages over the viewport's upper left corner: what failed, what was strange, what went well. They never move anything.
+//! Messages over the viewport's upper left corner: what failed, what was strange, what went well. They never move anything, and the log keeps all of them.
 
 use crate::theme::{self, Palette};
 use std::collections::VecDeque;
@@ -27,8 +27,8 @@ pub struct Message {
     since: Option<f64>,
 }
 
-/// Seconds after which a message that nobody must act on goes by itself.
-const INFO_SECONDS: f64 = 6.0;
+/// Seconds after which a warning leaves the picture; the log keeps it. Errors stay until they are dismissed.
+const WARNING_SECONDS: f64 = 15.0;
 /// Messages shown at once.
 const MAX_SHOWN: usize = 5;
 /// Messages in the log.
@@ -61,11 +61,6 @@ impl Messages {
         self.push(Severity::Error, text.into());
     }
 
-    /// A hint that goes by itself.
-    pub fn hint(&mut self, text: impl Into<String>) {
-        self.push(Severity::Info, text.into());
-    }
-
     fn note(&mut self, severity: Severity, text: String) {
         self.log.push_back((severity, text));
         if self.log.len() > MAX_LOGGED {
@@ -77,11 +72,6 @@ impl Messages {
         self.note(severity, text.clone());
         self.list.retain(|message| message.text != text);
         self.list.push(Message { severity, text, since: None });
-    }
-
-    /// Forgets what was said, because it was about something that is no longer here.
-    pub fn clear(&mut self) {
-        self.list.clear();
     }
 
     /// What was done last.
@@ -100,11 +90,11 @@ impl Messages {
         for message in &mut self.list {
             message.since.get_or_insert(now);
         }
-        self.list.retain(|m| m.severity != Severity::Info || m.since.is_none_or(|since| now - since < INFO_SECONDS));
+        self.list.retain(|m| m.severity == Severity::Error || m.since.is_none_or(|since| now - since < WARNING_SECONDS));
         if self.list.is_empty() {
             return;
         }
-        if self.list.iter().any(|m| m.severity == Severity::Info) {
+        if self.list.iter().any(|m| m.severity != Severity::Error) {
             ui.ctx().request_repaint_after_secs(1.0);
         }
         let mut dismissed = None;

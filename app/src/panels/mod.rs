@@ -14,6 +14,7 @@ pub mod property_page;
 pub mod reference;
 pub mod stability;
 pub mod status;
+pub mod toolbar;
 pub mod viewport;
 pub mod wipe;
 
