@@ -240,6 +240,11 @@ impl App {
         &self.dock
     }
 
+    /// The same, to move them: for tests and benches.
+    pub fn dock_mut(&mut self) -> &mut Dock {
+        &mut self.dock
+    }
+
     /// How many documents are open.
     pub fn document_count(&self) -> usize {
         self.tabs.count()
