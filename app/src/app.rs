@@ -289,6 +289,7 @@ impl App {
         if self.has_lost_device(&ctx) {
             return;
         }
+        theme::fit(&ctx, self.preferences.text_scale);
         self.collect(&ctx);
         self.carry_out_keys(&ctx);
         self.panels(ui);

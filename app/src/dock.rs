@@ -1,8 +1,11 @@
 //! Which panels there are and where they stand: a tree of tiles with tabs that can be dragged, resized, hidden and remembered.
 
-use egui::Id;
-use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
+use egui::{Id, Ui, Vec2, vec2};
+use egui_tiles::{Behavior, Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
+
+/// Points between panes.
+pub const GAP: f32 = 3.0;
 
 /// A part of the window that has a tab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -55,7 +58,29 @@ impl Pane {
             Self::Reference => "Reference",
         }
     }
+
+    /// Points across and down that it needs with its tab at the usual size of text, so that nothing in it is cut off.
+    fn room(self) -> Vec2 {
+        match self {
+            Self::View => vec2(340.0, 260.0),
+            Self::Properties => vec2(386.0, 200.0),
+            Self::Library => vec2(216.0, 120.0),
+            _ => vec2(150.0, 130.0),
+        }
+    }
+
+    /// Points across above which a pane gains nothing, at the usual size of text.
+    fn width_max(self) -> f32 {
+        match self {
+            Self::Properties => 620.0,
+            Self::Library => 400.0,
+            _ => f32::INFINITY,
+        }
+    }
 }
+
+/// Shares of a line before its panes were fitted, with what they were set to.
+type Fitted = (TileId, Vec<(TileId, f32, f32)>);
 
 /// The tree of panes.
 pub struct Dock {
@@ -153,6 +178,84 @@ impl Dock {
         }
     }
 
+    /// Draws the tree, each pane with at least the room that it needs at this scale of text, where there is enough for all, and the panels beside the
+    /// view no wider than they have use for. The shares stay as the user made them, so that a window of another size has them again.
+    pub fn show(&mut self, ui: &mut Ui, behavior: &mut dyn Behavior<Pane>, text_scale: f32) {
+        let lines = self.lines(ui.available_size());
+        let fitted: Vec<Fitted> = lines.into_iter().filter_map(|(id, size)| self.fit(id, size, text_scale)).collect();
+        self.tree.ui(behavior, ui);
+        for (id, shares) in fitted {
+            // Where the user drags an edge, what is seen is what is meant.
+            if let Some(linear) = self.line_mut(id)
+                && shares.iter().all(|(id, _, set)| linear.shares[*id] == *set)
+            {
+                shares.iter().for_each(|(id, old, _)| linear.shares.set_share(*id, *old));
+            }
+        }
+    }
+
+    /// Rows and columns, and how large each is; `size` is that of the whole.
+    fn lines(&self, size: Vec2) -> Vec<(TileId, Vec2)> {
+        let is_line = |tile: &Tile<Pane>| matches!(tile, Tile::Container(Container::Linear(_)));
+        let lines = self.tree.tiles.iter().filter(|(_, tile)| is_line(tile)).map(|(id, _)| *id);
+        let size_of = |id| if self.tree.root() == Some(id) { Some(size) } else { Some(self.tree.tiles.rect(id)?.size()) };
+        lines.filter_map(|id| Some((id, size_of(id)?))).collect()
+    }
+
+    fn line_mut(&mut self, id: TileId) -> Option<&mut Linear> {
+        match self.tree.tiles.get_mut(id) {
+            Some(Tile::Container(Container::Linear(linear))) => Some(linear),
+            _ => None,
+        }
+    }
+
+    /// Points across and down that a tile needs.
+    fn room(&self, id: TileId, text_scale: f32) -> Vec2 {
+        let container = match self.tree.tiles.get(id) {
+            Some(Tile::Pane(pane)) => return pane.room() * text_scale,
+            Some(Tile::Container(container)) => container,
+            None => return Vec2::ZERO,
+        };
+        let shown = container.children().filter(|child| self.tree.tiles.is_visible(**child));
+        shown.map(|child| self.room(*child, text_scale)).fold(Vec2::ZERO, |all, one| match container {
+            Container::Linear(linear) if linear.dir == LinearDir::Horizontal => vec2(all.x + one.x, all.y.max(one.y)),
+            Container::Linear(_) => vec2(all.x.max(one.x), all.y + one.y),
+            _ => all.max(one),
+        })
+    }
+
+    /// Points across above which a tile gains nothing.
+    fn width_max(&self, id: TileId, text_scale: f32) -> f32 {
+        match self.tree.tiles.get(id) {
+            Some(Tile::Pane(pane)) => pane.width_max() * text_scale,
+            Some(Tile::Container(container)) => {
+                let shown = container.children().filter(|child| self.tree.tiles.is_visible(**child));
+                shown.map(|child| self.width_max(*child, text_scale)).fold(0.0, f32::max)
+            }
+            None => f32::INFINITY,
+        }
+    }
+
+    /// Gives the children of a line what they need, and no more than they have use for; `None` where nothing is to be done or nothing can be.
+    fn fit(&mut self, id: TileId, size: Vec2, text_scale: f32) -> Option<Fitted> {
+        let linear = self.line_mut(id)?;
+        let is_row = linear.dir == LinearDir::Horizontal;
+        let along = |v: Vec2| if is_row { v.x } else { v.y };
+        let children: Vec<(TileId, f32)> = linear.children.iter().map(|id| (*id, linear.shares[*id])).collect();
+        let shown: Vec<(TileId, f32)> = children.into_iter().filter(|(id, _)| self.tree.tiles.is_visible(*id)).collect();
+        let gaps = GAP * shown.len().saturating_sub(1) as f32;
+        let needs: Vec<f32> = shown.iter().map(|(id, _)| along(self.room(*id, text_scale))).collect();
+        let shares: Vec<f32> = shown.iter().map(|(_, share)| *share).collect();
+        let most = |id: &TileId| if is_row { self.width_max(*id, text_scale) } else { f32::INFINITY };
+        let most: Vec<f32> = shown.iter().map(|(id, _)| most(id)).collect();
+        let sizes = split(&shares, &needs, &most, along(size) - gaps)?;
+        let (total, room): (f32, f32) = (shares.iter().sum(), sizes.iter().sum());
+        let set: Vec<_> = shown.iter().zip(&sizes).map(|((id, old), size)| (*id, *old, size * total / room)).collect();
+        let linear = self.line_mut(id)?;
+        set.iter().for_each(|(id, _, share)| linear.shares.set_share(*id, *share));
+        Some((id, set))
+    }
+
     /// Shows a pane that is not being drawn, hides one that is.
     pub fn toggle(&mut self, pane: Pane) {
         self.set_shown(pane, !self.is_drawn(pane));
@@ -165,9 +268,53 @@ impl Dock {
     }
 }
 
+/// Splits `size` by shares, each with at least what it needs and with at most what it has use for, which is more; `None` if the shares give that
+/// already, or if it cannot be had.
+fn split(shares: &[f32], needs: &[f32], most: &[f32], size: f32) -> Option<Vec<f32>> {
+    if needs.iter().sum::<f32>() > size || most.iter().sum::<f32>() < size {
+        return None;
+    }
+    let mut fixed: Vec<Option<f32>> = vec![None; shares.len()];
+    loop {
+        let free: f32 = shares.iter().zip(&fixed).filter(|(_, fixed)| fixed.is_none()).map(|(share, _)| share).sum();
+        let per_share = (size - fixed.iter().flatten().sum::<f32>()) / free.max(1e-6);
+        let outside = |i: usize| {
+            let given = shares[i] * per_share;
+            let limited = given.min(most[i]).max(needs[i]);
+            (fixed[i].is_none() && given != limited).then_some((i, limited))
+        };
+        match (0..shares.len()).find_map(outside) {
+            Some((i, limited)) => fixed[i] = Some(limited),
+            None if fixed.iter().any(Option::is_some) => {
+                return Some((0..shares.len()).map(|i| fixed[i].unwrap_or(shares[i] * per_share)).collect());
+            }
+            None => return None,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn small_panes_take_from_large_ones() {
+        let any = [f32::INFINITY; 3];
+        assert_eq!(split(&[1.0, 3.0], &[10.0, 10.0], &any[..2], 100.0), None, "there is room");
+        assert_eq!(split(&[1.0, 3.0], &[60.0, 60.0], &any[..2], 100.0), None, "there is too little");
+        assert_eq!(split(&[1.0, 2.0, 1.0], &[10.0, 10.0, 40.0], &any, 100.0), Some(vec![20.0, 40.0, 40.0]));
+        assert_eq!(
+            split(&[1.0, 2.0, 1.0], &[25.0, 10.0, 50.0], &any, 100.0),
+            Some(vec![25.0, 25.0, 50.0]),
+            "one after the other"
+        );
+    }
+
+    #[test]
+    fn what_panels_have_no_use_for_goes_to_the_view() {
+        assert_eq!(split(&[1.0, 2.0, 1.0], &[10.0; 3], &[20.0, f32::INFINITY, 30.0], 200.0), Some(vec![20.0, 150.0, 30.0]));
+        assert_eq!(split(&[1.0, 1.0], &[10.0; 2], &[20.0, 30.0], 200.0), None, "somebody has to have it");
+    }
 
     #[test]
     fn panes_come_back_as_they_were() {

@@ -149,13 +149,32 @@ pub fn text_scale(ui: &egui::Ui) -> f32 {
     TextStyle::Body.resolve(ui.style()).size / BODY
 }
 
+/// Points that the window's content needs at the usual size of text, so that nothing is cut off.
+const ROOM: egui::Vec2 = vec2(950.0, 530.0);
+/// Points are not made smaller than this part of their size.
+const ZOOM_MIN: f32 = 0.35;
+
+/// Makes all points smaller where the window has too few of them, as a small screen with large text has.
+pub fn fit(ctx: &egui::Context, text_scale: f32) {
+    let points = ctx.viewport_rect().size() * ctx.zoom_factor();
+    if points.is_finite() {
+        let fits = (points / (ROOM * text_scale)).min_elem();
+        // In steps, so that a window that is being resized is not set anew for every pixel.
+        ctx.set_zoom_factor(((fits * 32.0).floor() / 32.0).clamp(ZOOM_MIN, 1.0));
+    }
+}
+
 /// Applies the look to a context. `text_scale` enlarges all text and what holds it.
 pub fn apply(ctx: &egui::Context, name: ThemeName, text_scale: f32, is_motion_reduced: bool) {
     set(name);
     let palette = name.palette();
     ctx.set_theme(if palette.is_dark { egui::Theme::Dark } else { egui::Theme::Light });
     // On a slow machine a frame may take longer than egui's 0.8 seconds, and a click must not get lost by that.
-    ctx.options_mut(|options| options.input_options.max_click_duration = 3.0);
+    // Its size is what [`fit`] makes of it, and the keys are the commands' own.
+    ctx.options_mut(|options| {
+        options.input_options.max_click_duration = 3.0;
+        options.zoom_with_keyboard = false;
+    });
     ctx.all_styles_mut(|style| set_style(style, palette, text_scale, is_motion_reduced));
 }
 

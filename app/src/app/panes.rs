@@ -1,14 +1,14 @@
 //! The panes between the bars: what each shows, and how their tabs look.
 
 use super::App;
-use crate::dock::{Dock, Pane};
+use crate::dock::{Dock, GAP, Pane};
 use crate::live_stability::LiveStability;
 use crate::panels::toolbar::{self, Tools, Wish};
 use crate::panels::viewport;
 use crate::panels::{history, hold, messages, stability, status};
 use crate::theme;
 use burnish_material::LobeSet;
-use egui::{CentralPanel, Color32, Frame, Margin, Panel, Stroke, Ui, Visuals, WidgetText, vec2};
+use egui::{CentralPanel, Color32, Frame, Margin, Panel, ScrollArea, Stroke, Ui, Visuals, WidgetText, vec2};
 use egui_tiles::{SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 
 /// Draws the panes of the tree with what the application knows.
@@ -43,7 +43,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
     }
 
     fn gap_width(&self, _style: &egui::Style) -> f32 {
-        3.0
+        GAP
     }
 
     fn tab_bar_height(&self, style: &egui::Style) -> f32 {
@@ -97,7 +97,8 @@ impl App {
             let has_view = dock.is_drawn(Pane::View);
             self.view_tile = dock.tree.tiles.find_pane(&Pane::View);
             let mut panes = Panes { app: self, closed: Vec::new() };
-            dock.tree.ui(&mut panes, ui);
+            let text_scale = theme::text_scale(ui);
+            dock.show(ui, &mut panes, text_scale);
             let closed = std::mem::take(&mut panes.closed);
             closed.into_iter().for_each(|tile| dock.close(tile));
             // What a pane asked for while the tree was away.
@@ -199,7 +200,8 @@ impl App {
     fn lobe_pane(&mut self, ui: &mut Ui) {
         let needed = LobeSet::of(&self.editor.document.material);
         let costs = self.costs.found(needed);
-        if !status::lobe_strip(ui, &self.editor.document.material, &costs) {
+        let strip = |ui: &mut Ui| status::lobe_strip(ui, &self.editor.document.material, &costs);
+        if !ScrollArea::vertical().auto_shrink([false, false]).show(ui, strip).inner {
             return;
         }
         let (width, height) = self.picture_size;

@@ -73,7 +73,7 @@ fn open(
         .with_title("Burnish")
         .with_app_id("burnish")
         .with_inner_size([1280.0, 800.0])
-        .with_min_inner_size([860.0, 520.0])
+        .with_min_inner_size([480.0, 300.0])
         .with_icon(icon())
         .with_drag_and_drop(true);
     let mut setup = egui_wgpu::WgpuSetupCreateNew::without_display_handle();

@@ -7,8 +7,10 @@ use crate::widgets::number;
 use burnish_renderer::path::{Convergence, ErrorPoint, Prediction};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-/// Height of a line of text.
-const LINE: f32 = 14.0;
+/// Height that the plot needs with its axis.
+const PLOT_MIN: f32 = 60.0;
+/// Height of the text at a mark of an axis.
+const LABEL: f32 = 14.0;
 
 /// The estimates of a picture, and what they tell about its future.
 #[derive(Clone, Debug)]
@@ -84,15 +86,21 @@ pub fn show(ui: &Ui, rect: Rect, curve: &ErrorCurve) {
     let response = ui.interact(rect, ui.scope_id().with("error chart"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, curve.sentence()));
     paint(&ui.painter_at(rect), rect, curve);
+    response.on_hover_text(curve.sentence());
 }
 
 fn paint(painter: &Painter, rect: Rect, curve: &ErrorCurve) {
     painter.rect_filled(rect, 4, Color32::from_black_alpha(200));
     let font = FontId::proportional(11.0);
     let mut top = rect.top() + 5.0;
+    // What leaves no room for the plot is left to the tooltip.
     let mut say = |text: String, color| {
-        painter.text(pos2(rect.left() + 8.0, top), Align2::LEFT_TOP, text, font.clone(), color);
-        top += LINE;
+        let galley = painter.layout(text, font.clone(), color, rect.width() - 16.0);
+        if top + galley.size().y + PLOT_MIN < rect.bottom() {
+            let bottom = top + galley.size().y;
+            painter.galley(pos2(rect.left() + 8.0, top), galley, color);
+            top = bottom;
+        }
     };
     say("estimated error, % over seconds".into(), theme::ON_PICTURE.weak);
     say(curve.slope(), theme::ON_PICTURE.text);
@@ -173,7 +181,7 @@ impl Axes {
         for tick in self.percent.ticks() {
             let y = plot.bottom() - self.percent.share(tick) * plot.height();
             painter.hline(plot.x_range(), y, grid);
-            if y < end - LINE {
+            if y < end - LABEL {
                 end = y;
                 let place = pos2(plot.left() - 5.0, y);
                 painter.text(place, Align2::RIGHT_CENTER, number::format(tick, 1), font.clone(), theme::ON_PICTURE.weak);

@@ -1,7 +1,7 @@
 //! The line above the picture: which view, on what, in which light, how bright.
 
 use crate::command::Command;
-use crate::editor::{Editor, View, ViewMode};
+use crate::editor::{Editor, ViewMode};
 use crate::keymap::Keymap;
 use crate::live_debug::{Choice, LiveDebug};
 use crate::loading::Job;
@@ -35,6 +35,9 @@ pub struct Tools<'a> {
     pub debug: &'a mut LiveDebug,
 }
 
+/// Points across below which the views are a list instead of buttons.
+const WIDE: f32 = 560.0;
+
 /// Shows the toolbar: which view, on what, in which light, how bright.
 pub fn show(ui: &mut Ui, editor: &mut Editor, tools: &mut Tools) -> Option<Wish> {
     let mut wish = None;
@@ -44,20 +47,24 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, tools: &mut Tools) -> Option<Wish>
             let keys = tools.keymap.shown(command);
             if keys.is_empty() { command.tooltip().to_owned() } else { format!("{}\nkey {keys}", command.tooltip()) }
         };
-        for (mode, name) in ViewMode::ALL {
-            let command = match mode {
-                ViewMode::Preview => Command::ShowPreview,
-                ViewMode::Final => Command::ShowFinal,
-                ViewMode::Both => Command::ShowBoth,
-                ViewMode::Wipe => Command::ShowWipe,
-                ViewMode::Difference => Command::ShowDifference,
-            };
-            let is_possible = tools.has_preview || !mode.has_preview() || mode == ViewMode::Preview;
-            let button = ui.add_enabled(is_possible, egui::Button::selectable(editor.view.mode == mode, name));
-            let button = button.on_hover_text(hint(command));
-            if button.on_disabled_hover_text("There is no usable GPU for the preview.").clicked() {
-                wish = Some(Wish::Command(command));
+        let is_wide = ui.available_width() > WIDE * theme::text_scale(ui);
+        let mut views = |ui: &mut Ui| {
+            for (mode, name) in ViewMode::ALL {
+                let command = command_of(mode);
+                let is_possible = tools.has_preview || !mode.has_preview() || mode == ViewMode::Preview;
+                let button = ui.add_enabled(is_possible, egui::Button::selectable(editor.view.mode == mode, name));
+                let button = button.on_hover_text(hint(command));
+                if button.on_disabled_hover_text("There is no usable GPU for the preview.").clicked() {
+                    wish = Some(Wish::Command(command));
+                }
             }
+        };
+        if is_wide {
+            views(ui);
+        } else {
+            let shown = ViewMode::ALL.into_iter().find(|(mode, _)| *mode == editor.view.mode).map_or("", |(_, name)| name);
+            let combo = ComboBox::from_id_salt("view").width(70.0).selected_text(shown).show_ui(ui, views);
+            combo.response.accessible_name("View").on_hover_text("Preview, final view, or both in some way");
         }
         let button = ui.add_enabled(tools.has_side, egui::Button::selectable(editor.view.compares_sides, "A/B"));
         button.widget_info(|| {
@@ -67,8 +74,10 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, tools: &mut Tools) -> Option<Wish>
         if button.on_disabled_hover_text(format!("Store a side first. {}", hint(Command::StoreSide))).clicked() {
             wish = Some(Wish::Command(Command::CompareSides));
         }
-        debug_menu(ui, tools.debug);
-        ui.separator();
+        debug_menu(ui, tools.debug, is_wide);
+        if is_wide {
+            ui.separator();
+        }
 
         let mesh = editor.model.as_ref().map_or("…", |model| model.name.as_str());
         let all = SHAPES.iter().map(|def| (Key::Shape(def.name), def.label, Job::Shape(def.name)));
@@ -89,24 +98,55 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, tools: &mut Tools) -> Option<Wish>
         if let Some(new) = ui.allocate_ui(size, |ui| field.show(ui, f64::from(view.environment_deg))).inner {
             view.environment_deg = (new as f32).rem_euclid(360.0);
         }
-        ui.separator();
-
-        display_controls(ui, view);
-        let button = ui.add_enabled(view.mode == ViewMode::Preview, egui::Button::selectable(view.is_bloom_on, "Bloom"));
-        let button = button.on_hover_text(hint(Command::ToggleBloom));
-        if button.on_disabled_hover_text("Off where pictures are compared: only the preview has it.").clicked() {
-            wish = Some(Wish::Command(Command::ToggleBloom));
+        if is_wide {
+            ui.separator();
         }
-        let button = ui.add_enabled(view.mode.has_final(), egui::Button::selectable(view.is_denoise_on, "Denoise"));
-        let button = button.on_hover_text(hint(Command::ToggleDenoise));
-        if button.on_disabled_hover_text("The final view is not shown.").clicked() {
-            wish = Some(Wish::Command(Command::ToggleDenoise));
+
+        exposure(ui, &mut view.display.exposure_ev);
+        let (mode, has_final) = (view.mode, view.mode.has_final());
+        let (is_bloom_on, is_denoise_on) = (view.is_bloom_on, view.is_denoise_on);
+        let mut effects = |ui: &mut Ui| {
+            let button = ui.add_enabled(mode == ViewMode::Preview, egui::Button::selectable(is_bloom_on, "Bloom"));
+            let button = button.on_hover_text(hint(Command::ToggleBloom));
+            if button.on_disabled_hover_text("Off where pictures are compared: only the preview has it.").clicked() {
+                wish = Some(Wish::Command(Command::ToggleBloom));
+            }
+            let button = ui.add_enabled(has_final, egui::Button::selectable(is_denoise_on, "Denoise"));
+            let button = button.on_hover_text(hint(Command::ToggleDenoise));
+            if button.on_disabled_hover_text("The final view is not shown.").clicked() {
+                wish = Some(Wish::Command(Command::ToggleDenoise));
+            }
+        };
+        transform_menu(ui, &mut view.display.transform, |ui| {
+            if !is_wide {
+                ui.separator();
+                effects(ui);
+            }
+        });
+        if is_wide {
+            effects(ui);
         }
     });
     wish
 }
 
-fn debug_menu(ui: &mut Ui, debug: &mut LiveDebug) {
+fn command_of(mode: ViewMode) -> Command {
+    match mode {
+        ViewMode::Preview => Command::ShowPreview,
+        ViewMode::Final => Command::ShowFinal,
+        ViewMode::Both => Command::ShowBoth,
+        ViewMode::Wipe => Command::ShowWipe,
+        ViewMode::Difference => Command::ShowDifference,
+    }
+}
+
+fn debug_menu(ui: &mut Ui, debug: &mut LiveDebug, is_wide: bool) {
+    let explain = |ui: &mut Ui, debug: &mut LiveDebug| {
+        let button = ui.add(egui::Button::selectable(debug.is_explaining(), "Explain"));
+        if button.on_hover_text(Command::ExplainPixel.tooltip()).clicked() {
+            debug.toggle_explaining();
+        }
+    };
     let shown = debug.choice().map_or("Material", Choice::label);
     let combo = ComboBox::from_id_salt("debug").width(76.0).truncate().selected_text(shown).show_ui(ui, |ui| {
         if ui.selectable_label(debug.choice().is_none(), "Material").clicked() {
@@ -117,13 +157,15 @@ fn debug_menu(ui: &mut Ui, debug: &mut LiveDebug) {
                 debug.set(Some(choice));
             }
         }
+        if !is_wide {
+            ui.separator();
+            explain(ui, debug);
+        }
     });
     let tip = "What is shown: the material, or what it is made of";
     combo.response.accessible_name("Debug view").on_hover_text(tip);
-    let is_explaining = debug.is_explaining();
-    let button = ui.add(egui::Button::selectable(is_explaining, "Explain"));
-    if button.on_hover_text(Command::ExplainPixel.tooltip()).clicked() {
-        debug.toggle_explaining();
+    if is_wide {
+        explain(ui, debug);
     }
 }
 
@@ -184,15 +226,18 @@ fn scene_menu(
     wish
 }
 
-fn display_controls(ui: &mut Ui, view: &mut View) {
+fn exposure(ui: &mut Ui, ev: &mut f32) {
     let size = vec2(58.0 * theme::text_scale(ui), ui.spacing().interact_size.y);
     let field = NumberField { format: |x| format!("{x:.2} EV"), step: 0.25, ..NumberField::plain("Exposure", size.x, 0.02) };
-    let exposure = ui.allocate_ui(size, |ui| field.show(ui, f64::from(view.display.exposure_ev)));
+    let exposure = ui.allocate_ui(size, |ui| field.show(ui, f64::from(*ev)));
     if let Some(new) = exposure.inner {
-        view.display.exposure_ev = new as f32;
+        *ev = new as f32;
     }
     exposure.response.on_hover_text("Exposure in stops\nkeys [ and ] change it by a third");
-    let transform = &mut view.display.transform;
+}
+
+/// The display transforms; `more` comes below them.
+fn transform_menu(ui: &mut Ui, transform: &mut DisplayTransform, more: impl FnOnce(&mut Ui)) {
     let name = |transform: DisplayTransform| match transform {
         DisplayTransform::Neutral => "Neutral",
         DisplayTransform::Agx => "AgX",
@@ -209,6 +254,7 @@ fn display_controls(ui: &mut Ui, view: &mut View) {
             };
             ui.selectable_value(transform, choice, name(choice)).on_hover_text(text);
         }
+        more(ui);
     });
     combo.response.accessible_name("Display transform").on_hover_text("How radiance becomes screen colours, in both views");
 }

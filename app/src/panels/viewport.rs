@@ -259,7 +259,9 @@ pub fn chart_pane(ui: &mut Ui, size: Vec2, curve: Option<&ErrorCurve>, has_final
         Some(curve) => chart::show(ui, rect, curve),
         None => {
             let text = if has_final { "The curve begins after a few estimates." } else { "The final view is not shown." };
-            ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), theme::now().weak);
+            let color = theme::now().weak;
+            let galley = ui.painter().layout(text.into(), FontId::proportional(12.0), color, rect.width());
+            ui.painter().galley(rect.center() - 0.5 * galley.size(), galley, color);
         }
     }
 }

@@ -16,8 +16,6 @@ use egui::{Align2, FontId, Id, Key, Label, Layout, Rect, Response, RichText, Sen
 pub const GUTTER: f32 = 12.0;
 /// Width of the label column at the usual size of text.
 const LABEL_WIDTH: f32 = 144.0;
-/// Letters above which a label would not fit the column at full size.
-const LONG_LABEL: usize = 21;
 /// Width of the number field beside a track at the usual size of text.
 const NUMBER_WIDTH: f32 = 64.0;
 /// Width of the map and reset buttons together.
@@ -188,13 +186,10 @@ fn label_column(ui: &mut Ui, def: &PropertyDef, material: &mut Material, row: &R
     let response = ui
         .allocate_ui_with_layout(size, Layout::left_to_right(egui::Align::Center), |ui| {
             ui.set_width(size.x);
-            // The longest names are set a little smaller rather than cut off.
-            let text = RichText::new(def.label).color(color);
-            let text = if def.label.len() > LONG_LABEL {
-                text.size(0.88 * egui::TextStyle::Body.resolve(ui.style()).size)
-            } else {
-                text
-            };
+            // The longest names are set smaller rather than cut off.
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            let width = ui.painter().layout_no_wrap(def.label.into(), font.clone(), color).size().x;
+            let text = RichText::new(def.label).color(color).size(font.size * ((size.x - 2.0) / width).min(1.0));
             ui.add(Label::new(text).truncate().selectable(false).sense(Sense::click()))
         })
         .inner;
