@@ -4,6 +4,7 @@
 //! with the one last sent, and if it differs, the history, the preview and the final view are told, in that order.
 
 pub mod app;
+pub mod bookmarks;
 pub mod cli;
 pub mod command;
 pub mod curve;

@@ -1,6 +1,6 @@
 //! Debug views and explained pixels: made on a thread from the scene as the path tracer sees it, when something is asked for and no sooner.
 
-use burnish_renderer::path::{DebugView, Explanation, LegendEntry, Prepared, SampleView, debug_picture, explain};
+use burnish_renderer::path::{DebugView, Explanation, LegendEntry, Prepared, Progress, SampleView, debug_picture, explain};
 use burnish_renderer::scene::Scene;
 use burnish_renderer::tonemap::srgb_encode;
 use burnish_renderer::worker::Snapshot;
@@ -70,6 +70,8 @@ pub struct LiveDebug {
     choice: Option<Choice>,
     is_explaining: bool,
     job: Option<Receiver<Made>>,
+    /// Of the picture that is being made, with its rows.
+    progress: Option<(Arc<Progress>, usize)>,
     made: Option<Key>,
     texture: Option<TextureHandle>,
     explanation: Option<Box<Explanation>>,
@@ -85,6 +87,9 @@ impl LiveDebug {
 
     /// Shows something else, or the material.
     pub fn set(&mut self, choice: Option<Choice>) {
+        if let Some((progress, _)) = &self.progress {
+            progress.end();
+        }
         (self.choice, self.texture, self.made) = (choice, None, None);
     }
 
@@ -124,6 +129,11 @@ impl LiveDebug {
         self.job.is_some()
     }
 
+    /// How much of the picture is made, 0 to 1, if that is known.
+    pub fn progress(&self) -> Option<f32> {
+        self.progress.as_ref().map(|(progress, rows)| progress.rows() as f32 / (*rows).max(1) as f32)
+    }
+
     /// Takes what was made, and begins what is missing. `revision` counts scenes; `scene` makes the one to draw.
     pub fn update(
         &mut self,
@@ -146,12 +156,13 @@ impl LiveDebug {
             }
             Some(Ok(Made::Pixel(explanation))) => {
                 self.job = None;
-                self.explanation = Some(explanation);
+                self.explanation = self.is_explaining.then_some(explanation);
             }
             Some(Err(TryRecvError::Disconnected)) => self.job = None,
             Some(Err(TryRecvError::Empty)) => return,
             None => {}
         }
+        self.progress = None;
         let Some(choice) = self.choice else { return };
         match choice {
             Choice::Surface(view) => {
@@ -161,9 +172,12 @@ impl LiveDebug {
                 }
                 let Some(scene) = scene() else { return };
                 let kept = self.prepared.clone();
+                let progress: Arc<Progress> = Arc::default();
+                self.progress = Some((progress.clone(), size.1));
                 self.start(ctx, move || {
                     let prepared = prepared(&kept, revision, scene);
-                    Made::Picture(key, image(debug_picture(&prepared, view, size.0, size.1, 1), size.0))
+                    let pixels = debug_picture(&prepared, view, size, 1, &progress)?;
+                    Some(Made::Picture(key, image(pixels, size.0)))
                 });
             }
             Choice::Samples(view) => {
@@ -173,7 +187,7 @@ impl LiveDebug {
                 let key = (choice, 0, (snapshot.width, snapshot.height), (snapshot.revision, snapshot.spp));
                 if self.made != Some(key) {
                     let width = snapshot.width;
-                    self.start(ctx, move || Made::Picture(key, image(samples.picture(view), width)));
+                    self.start(ctx, move || Some(Made::Picture(key, image(samples.picture(view), width))));
                 }
             }
         }
@@ -191,16 +205,19 @@ impl LiveDebug {
         let kept = self.prepared.clone();
         self.start(ctx, move || {
             let prepared = prepared(&kept, revision, scene);
-            Made::Pixel(Box::new(explain(&prepared, x, y, width, height, EXPLAIN_SAMPLES)))
+            Some(Made::Pixel(Box::new(explain(&prepared, x, y, width, height, EXPLAIN_SAMPLES))))
         });
     }
 
-    fn start(&mut self, ctx: &Context, make: impl FnOnce() -> Made + Send + 'static) {
+    fn start(&mut self, ctx: &Context, make: impl FnOnce() -> Option<Made> + Send + 'static) {
         let (sender, receiver) = channel();
         let repaint = ctx.clone();
         std::thread::spawn(move || {
             // Nobody waits any more if something else was chosen.
-            _ = sender.send(make());
+            if let Some(made) = make() {
+                _ = sender.send(made);
+            }
+            drop(sender);
             repaint.request_repaint();
         });
         self.job = Some(receiver);

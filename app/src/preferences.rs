@@ -120,14 +120,39 @@ impl Preferences {
     /// Saves the preferences in a folder, which is made if it is missing.
     pub fn save(&self, folder: &Path) -> Result<(), FilesError> {
         let path = folder.join(FILE);
-        let failed = |error| FilesError::Write { path: path.clone(), source: std::io::Error::other(error) };
+        Self::write(&path, &self.values(&path)?)
+    }
+
+    /// Saves what differs from `before`, and leaves the rest as the folder has it: another window may have saved since.
+    pub fn save_changes(&self, before: &Self, folder: &Path) -> Result<(), FilesError> {
+        let path = folder.join(FILE);
+        let (mut values, before) = (self.values(&path)?, before.values(&path)?);
+        let stored = std::fs::read_to_string(&path).unwrap_or_default();
+        // A file that is broken was set aside when it was loaded; one that broke since holds nothing to keep.
+        let stored: BTreeMap<String, Box<RawValue>> = ron::from_str(&stored).unwrap_or_default();
+        for (key, value) in stored {
+            let is_changed = values.get(&key).map(|ours| ours.get_ron()) != before.get(&key).map(|old| old.get_ron());
+            if !is_changed {
+                values.insert(key, value);
+            }
+        }
+        Self::write(&path, &values)
+    }
+
+    /// All entries of the file at `path`, which is for errors.
+    fn values(&self, path: &Path) -> Result<BTreeMap<String, Box<RawValue>>, FilesError> {
         let mut writer = Writer { values: self.unknown.clone(), problem: None };
         self.clone().each(&mut writer);
-        if let Some(problem) = writer.problem {
-            return Err(failed(problem));
+        match writer.problem {
+            None => Ok(writer.values),
+            Some(problem) => Err(FilesError::Write { path: path.to_path_buf(), source: std::io::Error::other(problem) }),
         }
-        let text = ron::ser::to_string_pretty(&writer.values, PrettyConfig::new()).map_err(failed)?;
-        own_files::save(&path, &(text + "\n"))
+    }
+
+    fn write(path: &Path, values: &BTreeMap<String, Box<RawValue>>) -> Result<(), FilesError> {
+        let text = ron::ser::to_string_pretty(values, PrettyConfig::new())
+            .map_err(|error| FilesError::Write { path: path.to_path_buf(), source: std::io::Error::other(error) })?;
+        own_files::save(path, &(text + "\n"))
     }
 
     /// Every preference with its name and what it may be: the one place for reading and writing.
@@ -246,6 +271,20 @@ fn shortened(text: &str) -> String {
 mod tests {
     use super::*;
     use std::fs;
+
+    #[test]
+    fn two_windows_keep_what_each_changed() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = Preferences::default();
+        let larger = Preferences { text_scale: 1.5, ..first.clone() };
+        let other = Preferences { threads: Some(3), ..first.clone() };
+        larger.save_changes(&first, folder.path()).unwrap();
+        other.save_changes(&first, folder.path()).unwrap();
+        let (both, messages) = Preferences::load(folder.path());
+        assert_eq!((both.text_scale, both.threads, messages), (1.5, Some(3), vec![]));
+        first.save_changes(&larger, folder.path()).unwrap();
+        assert_eq!(Preferences::load(folder.path()).0, other, "what is set back to the default is a change");
+    }
 
     fn load(text: &str) -> (Preferences, Vec<String>) {
         let folder = tempfile::tempdir().unwrap();

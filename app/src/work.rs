@@ -7,6 +7,8 @@ pub enum Ends {
     Loading,
     /// The final view; the preview is shown instead.
     FinalView,
+    /// A debug view or an explained pixel; the material is shown instead.
+    Debug,
     /// Measuring lobes.
     Costs,
     /// Making small pictures.

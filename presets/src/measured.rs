@@ -4,6 +4,7 @@
 //! Comparing takes no more than some microseconds, so that every row of an editor can ask in every frame.
 
 mod compare;
+mod material;
 mod sentence;
 
 use std::sync::OnceLock;

@@ -52,6 +52,23 @@ fn the_list_finds_commands_properties_and_presets() {
 }
 
 #[test]
+fn letters_that_come_with_the_shortcut_are_for_the_list() {
+    let mut window = window_of(vec2(1280.0, 700.0), Vec::new());
+    let pressed = |key, modifiers| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+    let letter = |key: Key, text: &str| [pressed(key, Modifiers::NONE), Event::Text(text.to_owned())];
+    let mut events = vec![pressed(Key::K, CTRL)];
+    // Alone, A stores a side and L hides the lobes.
+    events.extend(letter(Key::A, "a").into_iter().chain(letter(Key::L, "l")));
+    window.input_mut().events.extend(events);
+    window.step();
+    window.run_steps(2);
+    assert!(app(&window).sides().stored().is_none() && app(&window).dock().is_drawn(Pane::Lobes), "they carried out commands");
+    send(&mut window, [Event::Text("l prop".to_owned())]);
+    window.run_steps(2);
+    assert!(has(&window, Role::Button, "Reset all properties"));
+}
+
+#[test]
 fn f1_explains_what_is_under_the_pointer() {
     let mut window = window();
     for def in PROPERTIES {

@@ -25,6 +25,14 @@ use std::sync::Arc;
 /// A third of a stop.
 const EXPOSURE_STEP: f32 = 1.0 / 3.0;
 
+/// What an event types.
+fn text_of(event: &egui::Event) -> Option<&str> {
+    match event {
+        egui::Event::Text(text) => Some(text),
+        _ => None,
+    }
+}
+
 impl App {
     /// Whether a command would do something now.
     pub(super) fn is_possible(&self, command: Command) -> bool {
@@ -78,7 +86,15 @@ impl App {
         if self.picking.is_some() && ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape)) {
             self.picking = None;
         }
-        for command in self.keymap.pressed(ctx) {
+        let commands = self.keymap.pressed(ctx);
+        if commands.contains(&Command::Palette) {
+            // On a slow machine the first letters come in the same frame; they are meant for the palette.
+            self.carry_out(Command::Palette, ctx);
+            let typed = ctx.input(|i| i.events.iter().filter_map(text_of).collect::<String>());
+            self.pages.search.push_str(&typed);
+            return;
+        }
+        for command in commands {
             self.carry_out(command, ctx);
         }
     }

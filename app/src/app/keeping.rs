@@ -1,7 +1,9 @@
 //! What is remembered between runs: preferences, layout, recent files, and unsaved work should the program end badly.
 
 use super::App;
+use crate::bookmarks;
 use crate::dock::Dock;
+use crate::editor::Orbit;
 use crate::keymap::Keymap;
 use crate::layout_file;
 use crate::pages::Page;
@@ -30,6 +32,7 @@ pub(super) struct Keeping {
     /// What the disk holds.
     preferences: Preferences,
     layout: Option<String>,
+    bookmarks: Vec<Orbit>,
 }
 
 impl Keeping {
@@ -92,6 +95,10 @@ impl App {
                 }
                 self.keeping.layout = Some(text);
             }
+            let (cameras, problem) = bookmarks::load_bookmarks(state);
+            problem.into_iter().for_each(|problem| self.messages.warning(problem));
+            self.editor.view.bookmarks.clone_from(&cameras);
+            self.keeping.bookmarks = cameras;
             let (left, problems) = recovery::left_behind(state);
             problems.into_iter().for_each(|problem| self.messages.warning(problem));
             if !left.is_empty() {
@@ -126,11 +133,19 @@ impl App {
         self.preferences.shortcuts = self.keymap.to_stored();
         if self.preferences != self.keeping.preferences {
             self.apply_preferences(ctx);
-            self.keeping.preferences = self.preferences.clone();
+            let before = std::mem::replace(&mut self.keeping.preferences, self.preferences.clone());
             if let Some(config) = &self.keeping.places.config
-                && let Err(error) = self.preferences.save(config)
+                && let Err(error) = self.preferences.save_changes(&before, config)
             {
                 self.messages.warning(format!("Preferences are not kept: {error}"));
+            }
+        }
+        if self.editor.view.bookmarks != self.keeping.bookmarks {
+            self.keeping.bookmarks.clone_from(&self.editor.view.bookmarks);
+            if let Some(state) = &self.keeping.places.state
+                && let Err(error) = bookmarks::save_bookmarks(state, &self.keeping.bookmarks)
+            {
+                self.messages.warning(format!("Camera bookmarks are not kept: {error}"));
             }
         }
         self.mind_files(ctx);

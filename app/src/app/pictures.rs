@@ -227,7 +227,8 @@ impl App {
             list.push(Work::new("Preview: light and heights"));
         }
         if self.debug.is_busy() {
-            list.push(Work::new("Looking at the surface"));
+            let progress = self.debug.progress();
+            list.push(Work { progress, ends: Some(Ends::Debug), ..Work::new("Looking at the surface") });
         }
         let is_unfinished = |snapshot: &&std::sync::Arc<Snapshot>| snapshot.done.is_none();
         if let Some(snapshot) =
@@ -249,6 +250,7 @@ impl App {
                 self.messages.info("Loading was ended.");
             }
             Ends::SmallPictures => self.small.cancel(),
+            Ends::Debug => self.debug.end(),
             Ends::Costs => self.costs.cancel(),
             Ends::FinalView => self.carry_out(Command::ShowPreview, ctx),
         }

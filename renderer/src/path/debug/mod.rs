@@ -18,6 +18,7 @@ use crate::bsdf::{Optics, SCATTERING};
 use crate::bvh::{Hit, Ray};
 use burnish_material::{Lobe, LobeSet};
 use colors::{Color, hex, ramp};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// One entry of a list of views.
 #[derive(Clone, Copy, Debug)]
@@ -152,9 +153,34 @@ const MIDDLE_GREY: f32 = 0.214;
 /// Gain that is shown as pure red.
 const GAIN_MAX: f32 = 0.1;
 
-/// A picture of what the middles of the pixels show, row by row from the top. `threads` of 0 count as 1. The result does not depend on their
-/// number.
-pub fn debug_picture(prepared: &Prepared, view: DebugView, width: usize, height: usize, threads: usize) -> Vec<Color> {
+/// How far a picture is, and whether it is still wanted; shared with who waits for it.
+#[derive(Debug, Default)]
+pub struct Progress {
+    rows: AtomicUsize,
+    is_ended: AtomicBool,
+}
+
+impl Progress {
+    /// Rows that are done.
+    pub fn rows(&self) -> usize {
+        self.rows.load(Ordering::Relaxed)
+    }
+
+    /// Nobody wants the picture any more.
+    pub fn end(&self) {
+        self.is_ended.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A picture of what the middles of the pixels show, row by row from the top; `None` if it was ended. `threads` of 0 count as 1. The result does
+/// not depend on their number.
+pub fn debug_picture(
+    prepared: &Prepared,
+    view: DebugView,
+    (width, height): (usize, usize),
+    threads: usize,
+    progress: &Progress,
+) -> Option<Vec<Color>> {
     let camera = View::new(prepared, width, height);
     let mut pixels = vec![[0.0; 3]; width * height];
     let rows = height.div_ceil(threads.max(1)).max(1);
@@ -162,15 +188,24 @@ pub fn debug_picture(prepared: &Prepared, view: DebugView, width: usize, height:
         for (part, pixels) in pixels.chunks_mut((rows * width).max(1)).enumerate() {
             let camera = &camera;
             scope.spawn(move || {
-                pixels.chunks_mut(width).zip(part * rows..).for_each(|(row, y)| fill(prepared, view, camera, y, row))
+                for (row, y) in pixels.chunks_mut(width).zip(part * rows..) {
+                    if progress.is_ended.load(Ordering::Relaxed) {
+                        return;
+                    }
+                    fill(prepared, view, camera, y, row);
+                    progress.rows.fetch_add(1, Ordering::Relaxed);
+                }
             });
         }
     });
+    if progress.is_ended.load(Ordering::Relaxed) {
+        return None;
+    }
     if view == DebugView::Depth {
         let nearest = pixels.iter().map(|p| p[0]).filter(|depth| *depth > 0.0).fold(f32::INFINITY, f32::min);
         pixels.iter_mut().filter(|p| p[0] > 0.0).for_each(|p| *p = [nearest / p[0]; 3]);
     }
-    pixels
+    Some(pixels)
 }
 
 /// One row; of depths as they are.
