@@ -18,6 +18,7 @@ pub mod history;
 pub mod keymap;
 pub mod latency;
 pub mod layout_file;
+pub mod library;
 pub mod live_costs;
 pub mod live_debug;
 pub mod live_denoise;

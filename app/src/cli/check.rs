@@ -4,14 +4,12 @@
 
 use super::{CliError, Outcome, interrupt, print_out};
 use crate::files::{self, FilesError};
+use crate::library::walk::walk;
 use burnish_material::{FileError, Material, Severity};
 use clap::Args;
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Deeper folders are not looked into: a file system can be without end.
-const MAX_DEPTH: usize = 64;
 
 /// Arguments of `burnish check`.
 #[derive(Debug, Args)]
@@ -77,8 +75,13 @@ fn material_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CliError> {
     for path in paths {
         let unusable = |error| CliError::unusable(format!("{}: expected a file or a folder: {error}", path.display()));
         if fs::metadata(path).map_err(unusable)?.is_dir() {
+            let found = walk(path, &interrupt::is_interrupted).map_err(unusable)?;
+            interrupt::check()?;
+            if let Some(problem) = found.problems.first() {
+                return Err(CliError::unusable(problem));
+            }
             let before = files.len();
-            collect(path, 0, &mut files)?;
+            files.extend(found.files.iter().map(|file| path.join(&file.path)));
             if files.len() == before {
                 return Err(CliError::unusable(format!(
                     "{}: expected .asm.ron files in this folder, found none",
@@ -92,24 +95,6 @@ fn material_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CliError> {
     files.sort();
     files.dedup();
     Ok(files)
-}
-
-fn collect(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> Result<(), CliError> {
-    interrupt::check()?;
-    let unusable = |error| CliError::unusable(format!("{}: expected a folder that can be read: {error}", folder.display()));
-    for entry in fs::read_dir(folder).map_err(unusable)? {
-        let entry = entry.map_err(unusable)?;
-        let path = entry.path();
-        // A link to a folder may lead back up, so only links to files count.
-        if entry.file_type().map_err(unusable)?.is_dir() {
-            if depth < MAX_DEPTH {
-                collect(&path, depth + 1, files)?;
-            }
-        } else if entry.file_name().to_string_lossy().to_lowercase().ends_with(".asm.ron") && path.is_file() {
-            files.push(path);
-        }
-    }
-    Ok(())
 }
 
 fn check_file(path: &Path, rows: &mut Vec<Row>) {

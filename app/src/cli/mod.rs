@@ -8,6 +8,7 @@ pub mod compare;
 pub mod converge;
 pub mod features;
 mod interrupt;
+pub mod library;
 mod material_argument;
 pub mod parity;
 pub mod presets;
@@ -29,7 +30,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader", "library", "turntable"];
+const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader", "turntable"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -65,6 +66,8 @@ enum Command {
     Check(check::CheckArguments),
     /// Reports which lobes a material needs, and what leaving out the others saves
     Features(Box<features::FeaturesArguments>),
+    /// A folder of materials as a library: what is in it, and small pictures of it
+    Library(library::LibraryArguments),
     /// Probes materials numerically at extremes; without one, the built-in suite
     Stability(Box<stability::StabilityArguments>),
 }
@@ -85,6 +88,8 @@ pub enum CliError {
     Unusable(String),
     /// The user interrupted it; nothing was written.
     Interrupted,
+    /// The user interrupted it; the sentence says what is kept.
+    InterruptedAfter(String),
 }
 
 impl CliError {
@@ -97,7 +102,7 @@ impl CliError {
 impl fmt::Display for CliError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unusable(message) => f.write_str(message),
+            Self::Unusable(message) | Self::InterruptedAfter(message) => f.write_str(message),
             Self::Interrupted => f.write_str("interrupted; nothing was written"),
         }
     }
@@ -141,7 +146,7 @@ pub fn main() -> ExitCode {
         && !Path::new(word).exists()
     {
         return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, features, stability or files to open"
+            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, features, library, stability or files to open"
         ))));
     }
     let arguments = match Arguments::try_parse_from(words) {
@@ -165,6 +170,7 @@ pub fn main() -> ExitCode {
                 Command::Presets(arguments) => presets::run(&arguments),
                 Command::Check(arguments) => check::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),
+                Command::Library(arguments) => library::run(&arguments),
                 Command::Stability(arguments) => stability::run(&arguments),
             }
         }
@@ -177,7 +183,7 @@ fn exit(result: Result<Outcome, CliError>) -> ExitCode {
         Ok(Outcome::Findings) => ExitCode::from(1),
         Err(error) => {
             eprintln!("error: {}", one_line(&error.to_string()));
-            ExitCode::from(if matches!(error, CliError::Interrupted) { 130 } else { 2 })
+            ExitCode::from(if matches!(error, CliError::Unusable(_)) { 2 } else { 130 })
         }
     }
 }

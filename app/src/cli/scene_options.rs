@@ -298,7 +298,8 @@ fn orbit(text: &str) -> Result<Orbit, String> {
     })
 }
 
-fn size(text: &str) -> Result<(usize, usize), String> {
+/// Columns and rows of a picture, for options.
+pub fn size(text: &str) -> Result<(usize, usize), String> {
     let read = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
     read.filter(|(w, h)| (1..=MAX_SIDE).contains(w) && (1..=MAX_SIDE).contains(h) && w * h <= MAX_PIXELS)
         .ok_or_else(|| format!("expected WIDTHxHEIGHT in pixels, each 1 to {MAX_SIDE}, at most {MAX_PIXELS} (2^24) in all"))

@@ -1,0 +1,297 @@
+//! Small pictures for a window: loaded from disk and made on two threads, kept in memory up to a bound.
+
+use super::digest::Digest;
+use super::entry::Entry;
+use super::setup::{self, DEFAULT_SECONDS, Setup};
+use super::shelf::{Shelf, State};
+use crate::thumbnails::Thumbnail;
+use burnish_renderer::path::Prepared;
+use image::ImageReader;
+use std::collections::{HashMap, HashSet, VecDeque};
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+/// Bytes of pictures in memory; those that were out of sight longest go first.
+pub const MAX_BYTES: usize = 128 << 20;
+/// Larger files are none of ours.
+const MAX_FILE_BYTES: u64 = 64 << 20;
+/// Wider or higher pictures are not shown.
+const MAX_SIDE: u32 = 2048;
+
+/// Look and setup.
+pub type Key = (Digest, Digest);
+/// Wakes the window from another thread.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// Orders that the newest ones replace.
+struct Queue<T> {
+    orders: Mutex<(VecDeque<T>, bool)>,
+    changed: Condvar,
+}
+
+impl<T> Default for Queue<T> {
+    fn default() -> Self {
+        Self { orders: Mutex::default(), changed: Condvar::new() }
+    }
+}
+
+impl<T> Queue<T> {
+    fn lock(&self) -> MutexGuard<'_, (VecDeque<T>, bool)> {
+        self.orders.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn set(&self, orders: VecDeque<T>) {
+        self.lock().0 = orders;
+        self.changed.notify_one();
+    }
+
+    fn close(&self) {
+        *self.lock() = (VecDeque::new(), true);
+        self.changed.notify_all();
+    }
+
+    /// The next order, when there is one; `None` once nobody orders any more.
+    fn next(&self) -> Option<T> {
+        let mut orders = self.lock();
+        loop {
+            if orders.1 {
+                return None;
+            }
+            match orders.0.pop_front() {
+                Some(order) => return Some(order),
+                None => orders = self.changed.wait(orders).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+}
+
+/// What the threads send back.
+enum Done {
+    /// A picture from disk; `None` if it cannot be used.
+    Loaded(Key, Option<Thumbnail>),
+    /// A picture that was made; it lies on disk unless there is a sentence.
+    Made(Key, Thumbnail, Option<String>),
+    /// Why there is no picture, with the entry's look.
+    Failed(Digest, String),
+}
+
+/// A picture to make.
+type Order = (Arc<Entry>, Arc<Setup>);
+
+/// Pictures in memory, and those that will be.
+pub struct Pictures {
+    made: HashMap<Key, Thumbnail>,
+    /// Keys of `made`, longest out of sight first.
+    order: VecDeque<Key>,
+    bytes: usize,
+    /// What was in sight and what was ordered last, so that the same orders are given once.
+    shown: Vec<Key>,
+    ordered: Vec<Key>,
+    failed: HashSet<Key>,
+    hopeless: HashSet<Digest>,
+    loads: Arc<Queue<Key>>,
+    makes: Arc<Queue<Order>>,
+    /// Looks that may be made at present.
+    may_make: Arc<Mutex<HashSet<Digest>>>,
+    results: Receiver<Done>,
+}
+
+impl Pictures {
+    /// Starts the threads. Without a folder, pictures are made and not kept.
+    pub fn new(root: &Path, folder: Option<&Path>, wake: Wake) -> Self {
+        let (sender, results) = channel();
+        let (loads, makes): (Arc<Queue<Key>>, Arc<Queue<Order>>) = Default::default();
+        let shelf = folder.map(Shelf::empty);
+        let loader = Loader { shelf: shelf.clone(), queue: loads.clone(), sender: sender.clone(), wake: wake.clone() };
+        let (may_make, made) = (Arc::<Mutex<HashSet<Digest>>>::default(), HashSet::new());
+        let maker = Maker { root: root.to_path_buf(), shelf, queue: makes.clone(), may_make: may_make.clone(), made, sender, wake };
+        // Without a thread nothing comes, which shows as pictures that are missing.
+        _ = std::thread::Builder::new().name("library pictures".to_owned()).spawn(move || loader.run());
+        _ = std::thread::Builder::new().name("library renderer".to_owned()).spawn(move || maker.run());
+        Self {
+            made: HashMap::new(),
+            order: VecDeque::new(),
+            bytes: 0,
+            shown: Vec::new(),
+            ordered: Vec::new(),
+            failed: HashSet::new(),
+            hopeless: HashSet::new(),
+            loads,
+            makes,
+            may_make,
+            results,
+        }
+    }
+
+    /// A picture that is in memory.
+    pub fn get(&self, key: Key) -> Option<&Thumbnail> {
+        self.made.get(&key)
+    }
+
+    /// Bytes of the pictures in memory.
+    pub fn memory_bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// Orders the pictures of entries that are in sight, instead of what was ordered before.
+    pub fn want(&mut self, entries: &[&Arc<Entry>], shelf: &Shelf, setup: &Arc<Setup>, makes: bool) {
+        let digest = setup.digest();
+        let shown: Vec<Key> = entries.iter().filter_map(|entry| shelf.best(entry, digest)).collect();
+        let needs = |entry: &&&Arc<Entry>| {
+            makes && entry.problem.is_none() && !self.hopeless.contains(&entry.look) && shelf.state(entry, digest) != State::Fresh
+        };
+        let orders: VecDeque<Order> = entries.iter().filter(needs).map(|entry| ((*entry).clone(), setup.clone())).collect();
+        if shown != self.shown {
+            let is_new = |key: &&Key| !self.made.contains_key(key) && !self.failed.contains(key);
+            self.loads.set(shown.iter().filter(is_new).copied().collect());
+            self.shown.clone_from(&shown);
+        }
+        let keys: Vec<Key> = orders.iter().map(|(entry, _)| (entry.look, digest)).collect();
+        if keys != self.ordered {
+            *self.may_make.lock().unwrap_or_else(PoisonError::into_inner) = keys.iter().map(|(look, _)| *look).collect();
+            self.makes.set(orders);
+            self.ordered = keys;
+        }
+        // What is in sight goes last.
+        let in_sight: HashSet<Key> = shown.into_iter().filter(|key| self.made.contains_key(key)).collect();
+        if self.bytes > MAX_BYTES / 2 {
+            self.order.retain(|key| !in_sight.contains(key));
+            self.order.extend(in_sight);
+        }
+    }
+
+    /// Takes what was loaded and made; tells the shelf, and the user what went wrong. True if there is something new.
+    pub fn poll(&mut self, shelf: &mut Shelf, problems: &mut Vec<String>) -> bool {
+        let mut is_new = false;
+        while let Ok(done) = self.results.try_recv() {
+            is_new = true;
+            match done {
+                Done::Loaded(key, Some(thumbnail)) => self.keep(key, thumbnail),
+                Done::Loaded(key, None) => _ = self.failed.insert(key),
+                Done::Made(key, thumbnail, problem) => {
+                    shelf.note(key.0, key.1);
+                    self.failed.remove(&key);
+                    self.keep(key, thumbnail);
+                    // A disk that is full would say the same for each picture.
+                    problems.extend(problem.filter(|problem| !problems.contains(problem)));
+                }
+                Done::Failed(look, sentence) => {
+                    self.hopeless.insert(look);
+                    problems.push(sentence);
+                }
+            }
+        }
+        is_new
+    }
+
+    fn keep(&mut self, key: Key, thumbnail: Thumbnail) {
+        self.bytes += thumbnail.rgba.len();
+        self.order.retain(|other| *other != key);
+        self.order.push_back(key);
+        if let Some(old) = self.made.insert(key, thumbnail) {
+            self.bytes -= old.rgba.len();
+        }
+        while self.bytes > MAX_BYTES
+            && self.order.len() > 1
+            && let Some(oldest) = self.order.pop_front()
+        {
+            self.bytes -= self.made.remove(&oldest).map_or(0, |old| old.rgba.len());
+        }
+    }
+}
+
+impl Drop for Pictures {
+    fn drop(&mut self) {
+        self.may_make.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.loads.close();
+        self.makes.close();
+    }
+}
+
+struct Loader {
+    shelf: Option<Shelf>,
+    queue: Arc<Queue<Key>>,
+    sender: Sender<Done>,
+    wake: Wake,
+}
+
+impl Loader {
+    fn run(self) {
+        while let Some(key) = self.queue.next() {
+            let path = self.shelf.as_ref().map(|shelf| shelf.path(key.0, key.1));
+            if self.sender.send(Done::Loaded(key, path.and_then(|path| load(&path)))).is_err() {
+                return;
+            }
+            (self.wake)();
+        }
+    }
+}
+
+struct Maker {
+    root: PathBuf,
+    shelf: Option<Shelf>,
+    queue: Arc<Queue<Order>>,
+    may_make: Arc<Mutex<HashSet<Digest>>>,
+    /// What was made: it may be ordered again before that is known there.
+    made: HashSet<Key>,
+    sender: Sender<Done>,
+    wake: Wake,
+}
+
+impl Maker {
+    fn run(mut self) {
+        // Pictures that follow each other share tables of their light.
+        let mut last: Option<Prepared> = None;
+        while let Some((entry, setup)) = self.queue.next() {
+            let place = self.root.join(&entry.path);
+            let made = catch_unwind(AssertUnwindSafe(|| self.make(&entry, &setup, &mut last)));
+            let failed = |problem: String| Some(Done::Failed(entry.look, format!("{}: {problem}", place.display())));
+            let done = match made {
+                Ok(Ok(done)) => done,
+                Ok(Err(problem)) => failed(problem),
+                Err(_) => failed("the picture could not be made, because the renderer failed".to_owned()),
+            };
+            if let Some(done) = done {
+                if self.sender.send(done).is_err() {
+                    return;
+                }
+                (self.wake)();
+            }
+        }
+    }
+
+    /// Makes and keeps a picture; `None` if it is not wanted any more.
+    fn make(&mut self, entry: &Entry, setup: &Setup, last: &mut Option<Prepared>) -> Result<Option<Done>, String> {
+        let is_wanted = || self.may_make.lock().unwrap_or_else(PoisonError::into_inner).contains(&entry.look);
+        let key = (entry.look, setup.digest());
+        if self.made.contains(&key) || !is_wanted() {
+            return Ok(None);
+        }
+        let (material, textures, _) = setup::read(&self.root, entry)?;
+        let scene = setup.scene_of(material, textures);
+        // One thread: what is edited comes first.
+        let Some(made) = setup.render(&scene, last, DEFAULT_SECONDS, 1, &mut |_| is_wanted())? else { return Ok(None) };
+        self.made.insert(key);
+        let kept = self.shelf.as_mut().map(|shelf| shelf.put(key.0, key.1, &made.png));
+        let problem = kept.and_then(|kept| kept.err().map(|error| error.to_string()));
+        let frame = setup.frame();
+        let rgba = made.rgb.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]).collect();
+        Ok(Some(Done::Made(key, Thumbnail { width: frame.width as u32, height: frame.height as u32, rgba }, problem)))
+    }
+}
+
+/// A picture from disk; `None` if it cannot be used.
+fn load(path: &Path) -> Option<Thumbnail> {
+    if std::fs::metadata(path).ok()?.len() > MAX_FILE_BYTES {
+        return None;
+    }
+    let mut reader = ImageReader::new(Cursor::new(std::fs::read(path).ok()?)).with_guessed_format().ok()?;
+    let mut limits = image::Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
+    reader.limits(limits);
+    let picture = reader.decode().ok()?.into_rgba8();
+    Some(Thumbnail { width: picture.width(), height: picture.height(), rgba: picture.into_raw() })
+}

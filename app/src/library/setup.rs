@@ -1,0 +1,233 @@
+//! How small pictures of materials are made: one scene, one size, one quality for all of them.
+
+use super::digest::{Digest, Digesting};
+use super::entry::{Entry, reason};
+use crate::export::{Picture, png_bytes};
+use crate::files;
+use burnish_assets::{ENVIRONMENTS, Mesh, SHAPES, make_shape};
+use burnish_material::{DEFAULT_UNIT_MM, MAX_FILE_BYTES, Material, MaterialFile, Property, Value};
+use burnish_renderer::path::{Prepared, Progress, Settings, StopReason, StopRules, render_prepared};
+use burnish_renderer::scene::{EnvironmentLight, ModelMeshes, Object, Scene, TextureSet};
+use burnish_renderer::tonemap::Display;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Raised when the path tracer or a built-in mesh or environment draws the same material differently: all pictures are stale then.
+const PICTURE_VERSION: u64 = 1;
+/// Columns and rows unless something says otherwise.
+pub const DEFAULT_SIDE: usize = 256;
+/// Error at which pictures are done unless something says otherwise: 2 %.
+pub const DEFAULT_RELMSE: f64 = 0.0004;
+/// Seconds after which a picture is done in any case, unless something says otherwise.
+pub const DEFAULT_SECONDS: f64 = 120.0;
+
+/// What all pictures have in common.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The scene; the material of its documents is replaced.
+    scene: Scene,
+    /// Whether lengths of materials are converted to those of the scene.
+    has_unit: bool,
+    /// Values that replace those of every material.
+    set: Vec<(Property, Value)>,
+    /// Columns, rows and random stream.
+    frame: Frame,
+    digest: Digest,
+}
+
+/// How pictures are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Columns, at least 1.
+    pub width: usize,
+    /// Rows, at least 1.
+    pub height: usize,
+    /// Error at which a picture is done, as relMSE.
+    pub relmse: f64,
+    /// Random stream.
+    pub seed: u64,
+    /// How radiance becomes colours.
+    pub display: Display,
+}
+
+impl Default for Frame {
+    fn default() -> Self {
+        let (width, height) = (DEFAULT_SIDE, DEFAULT_SIDE);
+        Self { width, height, relmse: DEFAULT_RELMSE, seed: 0, display: Display::default() }
+    }
+}
+
+/// A scene to take pictures in.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// With any material on its documents, of the default unit.
+    pub scene: Scene,
+    /// The built-in mesh that it shows, if it does. Its name counts instead of its numbers, which processors may round differently.
+    pub shape: Option<String>,
+    /// The built-in environment that it shows, if it does.
+    pub environment: Option<String>,
+    /// Whether lengths of materials are converted to those of the scene.
+    pub has_unit: bool,
+}
+
+impl Stage {
+    /// The first built-in mesh under the first built-in environment; `None` in a program without any.
+    pub fn standard() -> Option<Self> {
+        let (shape, environment) = (SHAPES.first()?, ENVIRONMENTS.first()?);
+        let model: ModelMeshes = make_shape(shape.name)?.into();
+        let light = EnvironmentLight { map: Arc::new((environment.make)()), rotation_deg: 0.0, scale: 1.0 };
+        Some(Self {
+            scene: Scene::of_model(&model, Arc::default(), Arc::default(), light, model.unit_mm),
+            shape: Some(shape.name.to_owned()),
+            environment: Some(environment.name.to_owned()),
+            has_unit: true,
+        })
+    }
+}
+
+/// A picture and how far it got.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// Red, green and blue in sRGB, row by row from the top.
+    pub rgb: Vec<u8>,
+    /// The same as a file.
+    pub png: Vec<u8>,
+    /// Estimated error, if there are samples enough to tell.
+    pub relmse: Option<f64>,
+    /// Seconds of rendering, with preparing.
+    pub seconds: f64,
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Why it ended; never cancelled.
+    pub stop_reason: StopReason,
+}
+
+impl Setup {
+    /// A setup; its hash is made once here.
+    pub fn new(stage: Stage, frame: Frame, set: Vec<(Property, Value)>) -> Self {
+        let digest = digest(&stage, &frame, &set);
+        Self { scene: stage.scene, has_unit: stage.has_unit, set, frame, digest }
+    }
+
+    /// Hash of everything that pictures have in common, the quality included, but for time limit and threads.
+    pub fn digest(&self) -> Digest {
+        self.digest
+    }
+
+    /// How pictures are taken.
+    pub fn frame(&self) -> Frame {
+        self.frame
+    }
+
+    /// The scene around a material.
+    pub fn scene_of(&self, material: Material, textures: TextureSet) -> Scene {
+        let mut material = material;
+        for (property, value) in &self.set {
+            material.set(*property, *value).slot_mut(*property).texture = None;
+        }
+        let (material, textures) = (Arc::new(material), Arc::new(textures));
+        let mut scene = self.scene.clone();
+        for object in scene.objects.iter_mut().filter(|object| object.is_document) {
+            if self.has_unit {
+                object.length_scale *= material.unit_mm() / DEFAULT_UNIT_MM;
+            }
+            (object.material, object.textures) = (material.clone(), textures.clone());
+        }
+        scene
+    }
+
+    /// Renders the picture of a scene, until its error is small enough or `seconds` are over. `None` if `go_on` says no after a pass.
+    ///
+    /// What the scene shares with `last` is taken from there; it becomes that scene.
+    pub fn render(
+        &self,
+        scene: &Scene,
+        last: &mut Option<Prepared>,
+        seconds: f64,
+        threads: usize,
+        go_on: &mut dyn FnMut(&Progress<'_>) -> bool,
+    ) -> Result<Option<Made>, String> {
+        let start = Instant::now();
+        let prepared = &*last.insert(Prepared::new(scene, last.as_ref()));
+        let Frame { width, height, relmse, seed, display } = self.frame;
+        let stop = StopRules { spp: None, seconds: Some(seconds), relmse: Some(relmse) };
+        let settings = Settings { width, height, seed, threads, stop, is_adaptive: true };
+        let rendering = render_prepared(prepared, &settings, start, go_on);
+        if rendering.stop_reason == StopReason::Cancelled {
+            return Ok(None);
+        }
+        let pixels: Vec<[f32; 4]> = rendering.film.mean().iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect();
+        let rgb = pixels.iter().flat_map(|[r, g, b, _]| display.apply_u8([*r, *g, *b])).collect();
+        let png = png_bytes(&Picture { width, height, pixels, ..Picture::default() }, display)?;
+        Ok(Some(Made {
+            rgb,
+            png,
+            relmse: rendering.error.map(|error| error.relmse),
+            seconds: start.elapsed().as_secs_f64(),
+            spp: rendering.film.spp(),
+            stop_reason: rendering.stop_reason,
+        }))
+    }
+}
+
+/// Reads the material of an entry with its images. An error, without the path, if it cannot be used or is not what the entry is about any more.
+///
+/// Images that cannot be read are left out, as in every view; a sentence tells of each.
+pub fn read(root: &Path, entry: &Entry) -> Result<(Material, TextureSet, Vec<String>), String> {
+    if let Some(problem) = &entry.problem {
+        return Err(problem.clone());
+    }
+    let path = root.join(&entry.path);
+    let text = files::read_text_file(&path, MAX_FILE_BYTES as u64).map_err(|error| reason(&error, &path))?;
+    if Digest::of(text.as_bytes()) != entry.bytes {
+        return Err("was changed after the library had been read; its picture comes with the next reading".to_owned());
+    }
+    let (file, _) = MaterialFile::parse(&text).map_err(|error| error.to_string())?;
+    let (textures, missing) = files::load_textures(file.material(), path.parent());
+    Ok((file.material().clone(), textures, missing))
+}
+
+fn digest(stage: &Stage, frame: &Frame, set: &[(Property, Value)]) -> Digest {
+    let Scene { objects, environment, camera, max_bounces } = &stage.scene;
+    let mut all = Digesting::default();
+    let Frame { width, height, relmse, seed, display } = *frame;
+    all.whole(&[PICTURE_VERSION, width as u64, height as u64, seed, u64::from(*max_bounces)]);
+    all.numbers(&[relmse, f64::from(display.exposure_ev)]).text(&display.transform.to_string());
+    for (property, value) in set {
+        all.text(property.def().name).text(&format!("{value:?}"));
+    }
+    // Processors may round the last digits of a camera that was placed by angles differently.
+    let distance = camera.origin.distance(camera.target).max(f32::MIN_POSITIVE);
+    let place = [camera.origin / distance, camera.target / distance, camera.up].map(|v| (v * 1e3).round().to_array());
+    let place: Vec<i64> = place.as_flattened().iter().map(|x| *x as i64).collect();
+    all.text(&format!("{place:?} {distance:.3e} {:.3}", camera.fov_deg));
+    all.numbers(&[environment.rotation_deg, environment.scale].map(f64::from));
+    match &stage.environment {
+        Some(name) => all.text(name),
+        None => all.whole(&[environment.map.width as u64]).bytes(&floats(environment.map.texels.iter().flatten())),
+    };
+    match &stage.shape {
+        Some(name) => _ = all.text(name),
+        None => objects.iter().for_each(|object| add_object(&mut all, object)),
+    }
+    for object in objects {
+        all.text(&format!("{:.5e}", object.length_scale));
+    }
+    all.whole(&[u64::from(stage.has_unit)]).end()
+}
+
+fn add_object(all: &mut Digesting, object: &Object) {
+    let Mesh { name: _, positions, normals, tangents, uvs, triangles } = &*object.mesh;
+    all.bytes(&floats(positions.iter().flat_map(|v| v.as_ref()))).bytes(&floats(normals.iter().flat_map(|v| v.as_ref())));
+    all.bytes(&floats(tangents.iter().flat_map(|v| v.as_ref()))).bytes(&floats(uvs.iter().flat_map(|v| v.as_ref())));
+    all.bytes(&triangles.iter().flatten().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
+    all.whole(&[u64::from(object.is_document)]);
+    if !object.is_document {
+        all.text(MaterialFile::new(&object.material).text());
+    }
+}
+
+fn floats<'a>(numbers: impl Iterator<Item = &'a f32>) -> Vec<u8> {
+    numbers.flat_map(|x| x.to_le_bytes()).collect()
+}
