@@ -5,6 +5,7 @@ mod bars;
 mod documents;
 mod drops;
 mod keeping;
+mod library;
 mod pages;
 mod panes;
 mod pick;
@@ -43,6 +44,7 @@ use burnish_material::{Material, Property};
 use documents::After;
 use egui::Ui;
 use keeping::Keeping;
+use library::Shelf;
 use rescue::Rescue;
 use screenshot::Screenshot;
 use std::sync::mpsc::{Receiver, Sender};
@@ -65,6 +67,7 @@ pub struct App {
     to_toggle: Vec<Pane>,
     pages: Pages,
     presets: PresetPanel,
+    shelf: Shelf,
     properties: PropertyPanel,
     reference: ReferencePanel,
     /// Small pictures of maps, meshes and lights.
@@ -142,6 +145,7 @@ impl App {
             to_toggle: Vec::new(),
             pages: Pages::default(),
             presets: PresetPanel::default(),
+            shelf: Shelf::default(),
             properties: PropertyPanel::default(),
             reference: ReferencePanel::default(),
             small: SmallPictures::default(),
@@ -291,6 +295,7 @@ impl App {
         }
         theme::fit(&ctx, self.preferences.text_scale);
         self.collect(&ctx);
+        self.mind_the_library(&ctx);
         self.carry_out_keys(&ctx);
         self.panels(ui);
         self.show_pages(&ctx);

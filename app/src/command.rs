@@ -64,11 +64,13 @@ const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 commands! {
     New, "file.new", File, false, "New", "A material with every property at its default, in a tab of its own.", [CTRL N];
+    NewFromMeasured, "file.measured", File, false, "New from measured…", "Choose among measured materials, with their sources and spread.", [];
     Open, "file.open", File, false, "Open…", "Open a material file in a tab of its own.", [CTRL O];
     OpenRecent, "file.recent", File, false, "Open recent…", "Choose among the files that were open lately.", [CTRL R];
     Save, "file.save", File, true, "Save", "Write the changed values into the file; everything else in it stays as it is.", [CTRL S];
     SaveAs, "file.save_as", File, false, "Save as…", "Save to another file.", [CTRL_SHIFT S];
     CloseTab, "file.close", File, false, "Close", "Close this material; asks if it has unsaved changes.", [CTRL W];
+    OpenLibrary, "file.library", File, false, "Open library…", "Show a folder of materials as a grid of pictures: search, edit many, drag onto the view.", [CTRL_SHIFT O];
     LoadModel, "file.mesh", File, true, "Load mesh…", "Show the material on a mesh from a .gltf, .glb or .ply file.", [];
     LoadEnvironment, "file.environment", File, false, "Load environment…", "Light the scene with an .hdr or .exr file.", [];
     LoadTextureSet, "file.texture_set", File, false, "Load texture set…", "Choose a folder of images; they are matched to properties by their names.", [];
@@ -111,6 +113,7 @@ commands! {
     NextTab, "window.next_tab", Window, true, "Next material", "Bring the next open material to the front.", [CTRL PageDown];
     PreviousTab, "window.previous_tab", Window, false, "Previous material", "Bring the open material before to the front.", [CTRL PageUp];
     ToggleLibrary, "window.library", Window, true, "Presets", "Show or hide the presets.", [];
+    ToggleFolder, "window.folder", Window, false, "Library", "Show or hide the folder of materials.", [NONE K];
     ToggleProperties, "window.properties", Window, false, "Properties", "Show or hide the properties.", [];
     ToggleLobes, "window.lobes", Window, false, "Lobes", "Show or hide which lobes are in use, and what they cost.", [NONE L];
     ToggleChart, "window.chart", Window, false, "Convergence", "Show or hide the curve of the error over time.", [NONE G];

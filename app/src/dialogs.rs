@@ -14,6 +14,8 @@ pub enum Purpose {
     OpenMaterial,
     /// Where to save the material.
     SaveMaterial,
+    /// A folder of materials.
+    OpenLibrary,
     /// A mesh to show.
     LoadModel,
     /// An environment map.
@@ -35,6 +37,7 @@ impl Purpose {
         match self {
             Self::OpenMaterial => "Open material".into(),
             Self::SaveMaterial => "Save material".into(),
+            Self::OpenLibrary => "Open the folder of a library".into(),
             Self::LoadModel => "Load mesh".into(),
             Self::LoadEnvironment => "Load environment".into(),
             Self::LoadTexture(property) => format!("Choose a map for {}", property.def().label),
@@ -46,7 +49,7 @@ impl Purpose {
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenMaterial | Self::SaveMaterial => ("Material", &["ron"]),
+            Self::OpenMaterial | Self::SaveMaterial | Self::OpenLibrary => ("Material", &["ron"]),
             Self::LoadModel => ("Mesh", &["gltf", "glb", "ply"]),
             Self::LoadEnvironment => ("Environment", &["hdr", "exr"]),
             Self::LoadTexture(_) | Self::LoadTextureSet | Self::LoadReference => ("Image", &["png", "jpg", "jpeg", "exr", "hdr"]),

@@ -14,6 +14,8 @@ pub enum Pane {
     View,
     /// The presets.
     Library,
+    /// A folder of materials.
+    Folder,
     /// The properties.
     Properties,
     /// The lobes in use and their costs.
@@ -32,9 +34,10 @@ pub enum Pane {
 
 impl Pane {
     /// All panes.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::View,
         Self::Library,
+        Self::Folder,
         Self::Properties,
         Self::Lobes,
         Self::Chart,
@@ -49,6 +52,7 @@ impl Pane {
         match self {
             Self::View => "View",
             Self::Library => "Presets",
+            Self::Folder => "Library",
             Self::Properties => "Properties",
             Self::Lobes => "Lobes",
             Self::Chart => "Convergence",
@@ -64,7 +68,7 @@ impl Pane {
         match self {
             Self::View => vec2(340.0, 260.0),
             Self::Properties => vec2(386.0, 200.0),
-            Self::Library => vec2(216.0, 120.0),
+            Self::Library | Self::Folder => vec2(216.0, 120.0),
             _ => vec2(150.0, 130.0),
         }
     }
@@ -73,7 +77,7 @@ impl Pane {
     fn width_max(self) -> f32 {
         match self {
             Self::Properties => 620.0,
-            Self::Library => 400.0,
+            Self::Library | Self::Folder => 560.0,
             _ => f32::INFINITY,
         }
     }
@@ -95,7 +99,7 @@ impl Default for Dock {
             let children = panes.iter().map(|pane| tiles.insert_pane(*pane)).collect();
             tiles.insert_tab_tile(children)
         };
-        let library = tab(&mut tiles, &[Pane::Library]);
+        let library = tab(&mut tiles, &[Pane::Library, Pane::Folder]);
         let view = tab(&mut tiles, &[Pane::View]);
         let lobes = tab(&mut tiles, &[Pane::Lobes, Pane::Stability, Pane::History, Pane::Messages]);
         let chart = tab(&mut tiles, &[Pane::Chart]);
@@ -122,9 +126,17 @@ impl Dock {
         Self { tree: Tree::empty(Id::unique("dock")) }
     }
 
-    /// Reads what [`Self::to_text`] wrote; `None` if it is no layout with every pane once.
+    /// Reads what [`Self::to_text`] wrote, also before there was a library; `None` if it is no layout with every pane once.
     pub fn from_text(text: &str) -> Option<Self> {
-        let tree: Tree<Pane> = ron::from_str(text).ok()?;
+        let mut tree: Tree<Pane> = ron::from_str(text).ok()?;
+        if tree.tiles.find_pane(&Pane::Folder).is_none() {
+            let beside = tree.tiles.parent_of(tree.tiles.find_pane(&Pane::Library)?)?;
+            let id = tree.tiles.insert_pane(Pane::Folder);
+            match tree.tiles.get_mut(beside) {
+                Some(Tile::Container(container)) => container.add_child(id),
+                _ => return None,
+            }
+        }
         let count = |pane: Pane| tree.tiles.tiles().filter(|tile| **tile == Tile::Pane(pane)).count();
         let is_whole = Pane::ALL.into_iter().all(|pane| count(pane) == 1) && tree.root().is_some();
         let dock = Self { tree };
@@ -143,6 +155,11 @@ impl Dock {
     /// Whether a pane is being drawn: not hidden, and in front of its tabs.
     pub fn is_drawn(&self, pane: Pane) -> bool {
         self.id(pane).is_some_and(|id| self.tree.is_visible(id) && self.tree.active_tiles().contains(&id))
+    }
+
+    /// Whether a pane has a tab that can be seen, in front or behind others.
+    pub fn is_shown(&self, pane: Pane) -> bool {
+        self.id(pane).is_some_and(|id| self.tree.is_visible(id))
     }
 
     /// Shows a pane in front of its tabs, or hides it.

@@ -1,6 +1,6 @@
 //! Debug views and explained pixels: made on a thread from the scene as the path tracer sees it, when something is asked for and no sooner.
 
-use burnish_renderer::path::{DebugView, Explanation, LegendEntry, Prepared, Progress, SampleView, debug_picture, explain};
+use burnish_renderer::path::{DebugProgress, DebugView, Explanation, LegendEntry, Prepared, SampleView, debug_picture, explain};
 use burnish_renderer::scene::Scene;
 use burnish_renderer::tonemap::srgb_encode;
 use burnish_renderer::worker::Snapshot;
@@ -71,7 +71,7 @@ pub struct LiveDebug {
     is_explaining: bool,
     job: Option<Receiver<Made>>,
     /// Of the picture that is being made, with its rows.
-    progress: Option<(Arc<Progress>, usize)>,
+    progress: Option<(Arc<DebugProgress>, usize)>,
     made: Option<Key>,
     texture: Option<TextureHandle>,
     explanation: Option<Box<Explanation>>,
@@ -172,7 +172,7 @@ impl LiveDebug {
                 }
                 let Some(scene) = scene() else { return };
                 let kept = self.prepared.clone();
-                let progress: Arc<Progress> = Arc::default();
+                let progress: Arc<DebugProgress> = Arc::default();
                 self.progress = Some((progress.clone(), size.1));
                 self.start(ctx, move || {
                     let prepared = prepared(&kept, revision, scene);

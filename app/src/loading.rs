@@ -18,6 +18,8 @@ pub enum Job {
     Reload(u64, PathBuf),
     /// A material file to compare the document of this number with.
     Compare(u64, PathBuf),
+    /// A material file to put in the place of the document of this number.
+    Apply(u64, PathBuf),
     /// The images that a material names, relative to a folder.
     Textures(u64, Box<Material>, Option<PathBuf>),
     /// An image for one property.
@@ -101,6 +103,7 @@ impl Job {
             Self::Material(path)
             | Self::Reload(_, path)
             | Self::Compare(_, path)
+            | Self::Apply(_, path)
             | Self::Texture(_, _, path)
             | Self::Image(_, _, path)
             | Self::TextureSet(_, path)
@@ -115,7 +118,7 @@ impl Job {
     fn run(&self) -> (Result<Loaded, String>, Vec<String>) {
         let mut warnings = Vec::new();
         let result = match self {
-            Self::Material(path) | Self::Reload(_, path) | Self::Compare(_, path) => {
+            Self::Material(path) | Self::Reload(_, path) | Self::Compare(_, path) | Self::Apply(_, path) => {
                 files::open_material(path).map_err(|error| error.to_string()).map(|mut opened| {
                     warnings.append(&mut opened.warnings);
                     Loaded::Material(Box::new(opened))

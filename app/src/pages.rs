@@ -11,6 +11,12 @@ pub enum Page {
     Palette,
     /// Files that were open lately.
     Recent,
+    /// Tags, licence and values of many files.
+    BatchEdit,
+    /// Another name for a file of the library.
+    Rename,
+    /// Measured materials to begin with.
+    Measured,
     /// What the user prefers.
     Preferences,
     /// Keys and mouse.

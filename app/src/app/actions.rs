@@ -113,6 +113,8 @@ impl App {
             Command::New => self.new_tab(),
             Command::Open => self.ask(Purpose::OpenMaterial, ctx),
             Command::OpenRecent => self.pages.open(Page::Recent),
+            Command::OpenLibrary => self.ask(Purpose::OpenLibrary, ctx),
+            Command::NewFromMeasured => self.pages.open(Page::Measured),
             Command::Save => self.save(ctx),
             Command::SaveAs => self.ask(Purpose::SaveMaterial, ctx),
             Command::CloseTab => self.close_tab(ctx),
@@ -125,11 +127,17 @@ impl App {
             Command::Preferences => self.pages.open(Page::Preferences),
             Command::Quit => self.close_window(ctx),
             Command::Undo => {
+                if self.undo_files(false, ctx) {
+                    return;
+                }
                 if let Some((label, document)) = self.history.undo() {
                     self.return_to(document, format!("Undid: {label}"));
                 }
             }
             Command::Redo => {
+                if self.redo_files(false, ctx) {
+                    return;
+                }
                 if let Some((label, document)) = self.history.redo() {
                     self.return_to(document, format!("Redid: {label}"));
                 }
@@ -231,6 +239,7 @@ impl App {
                 }
             }
             Command::ToggleLibrary
+            | Command::ToggleFolder
             | Command::ToggleProperties
             | Command::ToggleLobes
             | Command::ToggleChart
@@ -348,6 +357,7 @@ impl App {
 fn pane_of(command: Command) -> Option<Pane> {
     Some(match command {
         Command::ToggleLibrary => Pane::Library,
+        Command::ToggleFolder => Pane::Folder,
         Command::ToggleProperties => Pane::Properties,
         Command::ToggleLobes => Pane::Lobes,
         Command::ToggleChart => Pane::Chart,

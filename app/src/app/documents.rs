@@ -38,6 +38,12 @@ impl App {
         }
     }
 
+    /// A new material that begins with what a file holds, in a tab of its own.
+    pub(super) fn open_new(&mut self, file: MaterialFile) {
+        let opened = OpenedMaterial { path: None, file, warnings: Vec::new(), textures: Arc::default() };
+        self.open_document(Document::opened(opened));
+    }
+
     /// A new material in a tab of its own.
     pub(super) fn new_tab(&mut self) {
         let work = Work::new(self.new_document());
@@ -204,6 +210,7 @@ impl App {
                 let path = if files::is_material_path(&path) { path } else { with_ending(files::MATERIAL_EXTENSION) };
                 self.save_to(path, ctx);
             }
+            Purpose::OpenLibrary => self.open_library(&path, ctx),
             Purpose::LoadModel => self.loader.start(Job::Model(path), ctx),
             Purpose::LoadEnvironment => self.loader.start(Job::Environment(path), ctx),
             Purpose::LoadTexture(property) => self.loader.start(Job::Texture(id, property, path), ctx),
@@ -249,6 +256,13 @@ impl App {
                     self.editor.view.mode = crate::editor::ViewMode::Both;
                     self.messages.info(format!("Comparing with {} as it is on disk.", path.display()));
                 }
+            }
+            (Job::Apply(id, path), Ok(Loaded::Material(opened))) => {
+                let name = opened.file.material().name.clone();
+                self.edit_document(id, Some(&format!("Apply {name}")), |document| {
+                    *document = document.replaced_by(Document::opened(*opened));
+                });
+                self.messages.info(format!("Applied {}; undo brings back what was here before.", path.display()));
             }
             (_, Ok(Loaded::Material(opened))) => self.show_opened(*opened),
             (Job::Textures(id, ..), Ok(Loaded::Textures(textures))) => {

@@ -1,6 +1,7 @@
 //! What dropped files do: shown before they are let go, refused with a reason.
 
 use super::App;
+use super::library::holds_materials;
 use crate::dock::Pane;
 use crate::files;
 use crate::loading::Job;
@@ -16,6 +17,8 @@ enum Drop {
     Do(String, Job),
     /// Open it as a material.
     Open(String),
+    /// Open the folder as library.
+    Library(String),
     /// Nothing; the reason.
     Refuse(String),
 }
@@ -27,6 +30,7 @@ impl App {
         match self.drop_of(&path, None) {
             Drop::Do(_, job) => self.loader.start(job, ctx),
             Drop::Open(_) => self.loader.start(Job::Material(path), ctx),
+            Drop::Library(_) => self.open_library(&path, ctx),
             Drop::Refuse(reason) => self.messages.warning(reason),
         }
     }
@@ -38,6 +42,9 @@ impl App {
         let file = path.to_path_buf();
         if let Some(property) = row.filter(|_| is_image_path(path)) {
             return Drop::Do(format!("Use as map for {}", property.def().label), Job::Texture(id, property, file));
+        }
+        if path.is_dir() && holds_materials(path) {
+            return Drop::Library(format!("Open {name} as library"));
         }
         if path.is_dir() {
             return Drop::Do(format!("Use the images of {name} as maps, matched by their names"), Job::TextureSet(id, file));
@@ -69,7 +76,7 @@ impl App {
         let mapped = row.filter(|property| property.def().vary != burnish_material::Vary::Uniform);
         if let Some(path) = hovered.first() {
             let (text, is_refused) = match self.drop_of(path, mapped) {
-                Drop::Do(text, _) | Drop::Open(text) => (text, false),
+                Drop::Do(text, _) | Drop::Open(text) | Drop::Library(text) => (text, false),
                 Drop::Refuse(_) => {
                     (format!("{} cannot be used here", path.file_name().unwrap_or_default().to_string_lossy()), true)
                 }
@@ -86,6 +93,7 @@ impl App {
             match self.drop_of(&path, mapped) {
                 Drop::Do(_, job) => self.loader.start(job, ctx),
                 Drop::Open(_) => self.loader.start(Job::Material(path), ctx),
+                Drop::Library(_) => self.open_library(&path, ctx),
                 Drop::Refuse(reason) => self.messages.warning(reason),
             }
         }

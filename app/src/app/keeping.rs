@@ -36,6 +36,11 @@ pub(super) struct Keeping {
 }
 
 impl Keeping {
+    /// The folders.
+    pub fn places(&self) -> &Places {
+        &self.places
+    }
+
     /// Files that were open lately, newest first.
     pub fn recent(&self) -> &[PathBuf] {
         self.recent.paths()
@@ -113,6 +118,7 @@ impl App {
         self.keeping.places = places;
         let wake = ctx.clone();
         self.keeping.watch = Some(Watch::new(Box::new(move || wake.request_repaint())));
+        self.reopen_library(ctx);
         self
     }
 

@@ -19,6 +19,22 @@ impl App {
             Page::Palette => self.palette(ctx),
             Page::Recent => self.recent_page(ctx),
             Page::Recovery => self.recovery_page(ctx),
+            Page::BatchEdit | Page::Rename | Page::Measured => {
+                let (title, size) = match page {
+                    Page::BatchEdit => ("Edit materials", [430.0, 250.0]),
+                    Page::Rename => ("Rename", [360.0, 110.0]),
+                    _ => ("New from measured", [560.0, 520.0]),
+                };
+                let mut stays = true;
+                let is_open = framed(ctx, title, size, |ui| {
+                    stays = match page {
+                        Page::BatchEdit => self.batch_page(ui),
+                        Page::Rename => self.rename_page(ui),
+                        _ => self.measured_page(ui),
+                    };
+                });
+                self.close_unless(is_open && stays && !self.is_escaped(ctx));
+            }
             Page::Preferences => {
                 let is_open = framed(ctx, "Preferences", [520.0, 560.0], |ui| {
                     preferences::show(ui, &mut self.preferences, &mut self.keymap, &mut self.pages.recording);

@@ -3,6 +3,7 @@
 use super::App;
 use crate::dock::{Dock, GAP, Pane};
 use crate::live_stability::LiveStability;
+use crate::panels::library::{Dragged, LibraryAction};
 use crate::panels::toolbar::{self, Tools, Wish};
 use crate::panels::viewport;
 use crate::panels::{history, hold, messages, stability, status};
@@ -133,6 +134,7 @@ impl App {
                     self.load_preset(preset);
                 }
             }
+            Pane::Folder => hold(ui, |ui| self.library_pane(ui)),
             Pane::Properties => {
                 let sides = self.sides.stored().map(|side| side.material.clone());
                 let action =
@@ -145,6 +147,7 @@ impl App {
             Pane::Chart => hold(ui, |ui| self.chart_pane(ui)),
             Pane::Stability => hold(ui, |ui| self.stability_pane(ui)),
             Pane::History => {
+                self.file_steps(ui);
                 if let Some(index) = hold(ui, |ui| history::show(ui, &self.history))
                     && let Some(document) = self.history.go_to(index)
                 {
@@ -193,6 +196,9 @@ impl App {
             self.sync(&ctx);
             self.pictures(ui, layout);
             self.pick_or_explain(ui, &response, layout);
+            if let Some(dragged) = response.dnd_release_payload::<Dragged>() {
+                self.do_in_library(LibraryAction::Apply(dragged.0.clone()), &ctx);
+            }
             self.messages.show(ui, layout.all);
         });
     }

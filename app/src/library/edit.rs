@@ -167,12 +167,11 @@ pub fn duplicate(paths: &[PathBuf]) -> Planned {
     planned
 }
 
-/// Plans a new file for a material in a folder, named after it.
-pub fn create(folder: &Path, material: &Material) -> Planned {
-    let mut planned = Planned::new(format!("New material {}", material.name));
-    let edit = file_name(&material.name).map(|name| {
+/// Plans a new file of this text for a material of this name in a folder.
+pub fn create(folder: &Path, name: &str, text: String) -> Planned {
+    let mut planned = Planned::new(format!("New material {name}"));
+    let edit = file_name(name).map(|name| {
         let (path, _) = free_name(&folder.join(&name), &stem(Path::new(&name)), &[]);
-        let text = MaterialFile::new(material).text().to_owned();
         FileEdit { before: None, after: Some(Content { path, text }) }
     });
     planned.add(folder, edit);
@@ -269,7 +268,9 @@ fn file_name(name: &str) -> Result<String, String> {
     let name = name.trim();
     let is_bad = |c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c);
     if name.is_empty() || name.starts_with('.') || name.ends_with('.') || name.len() > MAX_NAME || name.contains(is_bad) {
-        return Err(format!("expected a name of 1 to {MAX_NAME} bytes without / \\ : * ? \" < > | and without a dot at its ends, found `{name}`"));
+        return Err(format!(
+            "expected a name of 1 to {MAX_NAME} bytes without / \\ : * ? \" < > | and without a dot at its ends, found `{name}`"
+        ));
     }
     Ok(format!("{name}.{}", files::MATERIAL_EXTENSION))
 }

@@ -199,7 +199,11 @@ fn what(text: &str) -> Result<What, String> {
 
 fn keyed(key: &str, word: &str) -> Result<What, String> {
     let word_of = |make: fn(String) -> What| {
-        if word.is_empty() { Err(format!("`{key}:`: expected a word after it, such as {key}:metal")) } else { Ok(make(word.to_owned())) }
+        if word.is_empty() {
+            Err(format!("`{key}:`: expected a word after it, such as {key}:metal"))
+        } else {
+            Ok(make(word.to_owned()))
+        }
     };
     match key {
         "name" => word_of(What::Name),
@@ -221,12 +225,14 @@ fn keyed(key: &str, word: &str) -> Result<What, String> {
         "is" => match word {
             "favourite" | "favorite" | "fav" => Ok(What::Favourite),
             "broken" => Ok(What::Broken),
-            _ => State::from_word(word).map(What::Picture).ok_or_else(|| {
-                format!("`is:{word}`: expected fresh, stale, missing, favourite or broken")
-            }),
+            _ => State::from_word(word)
+                .map(What::Picture)
+                .ok_or_else(|| format!("`is:{word}`: expected fresh, stale, missing, favourite or broken")),
         },
         "texture" => Ok(What::Texture(Some(property(word)?))),
-        _ => Err(format!("`{key}:` means nothing; expected name, tag, group, licence, notes, has, is, texture or fav before the colon")),
+        _ => Err(format!(
+            "`{key}:` means nothing; expected name, tag, group, licence, notes, has, is, texture or fav before the colon"
+        )),
     }
 }
 
@@ -239,11 +245,14 @@ fn property(text: &str) -> Result<Property, String> {
         [def.name, def.usage, def.label].map(plain)
     };
     let comparable = PROPERTIES.iter().filter(|def| !matches!(def.default, Value::Normal(_))).map(|def| def.id);
-    let found: Vec<Property> = comparable.filter(|id| !word.is_empty() && names(*id).iter().any(|name| name.starts_with(&word))).collect();
+    let found: Vec<Property> =
+        comparable.filter(|id| !word.is_empty() && names(*id).iter().any(|name| name.starts_with(&word))).collect();
     match (found.iter().find(|id| names(**id).contains(&word)), found.as_slice()) {
         (Some(exact), _) => Ok(*exact),
         (None, [one]) => Ok(*one),
-        (None, []) => Err(format!("`{text}` is the beginning of no property with a value; expected one such as rough or base_color")),
+        (None, []) => {
+            Err(format!("`{text}` is the beginning of no property with a value; expected one such as rough or base_color"))
+        }
         (None, several) => {
             let names: Vec<_> = several.iter().map(|id| id.def().name).collect();
             Err(format!("`{text}` may be {}; expected more letters", names.join(" or ")))

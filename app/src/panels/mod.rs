@@ -1,10 +1,13 @@
 //! The parts of the window, one file each. A panel edits the document or asks for something; it carries nothing out.
 
 pub mod axis;
+pub mod batch_edit;
 pub mod chart;
 pub mod explain;
 pub mod help;
 pub mod history;
+pub mod library;
+pub mod measured_page;
 pub mod messages;
 pub mod palette;
 pub mod preferences;

@@ -28,14 +28,20 @@ impl Measured {
         text += "    },\n    \"sources\": {\n";
         for (property, value) in &self.values {
             _ = writeln!(text, "        {:?}: {{", property.def().name);
-            for (key, what) in [("dataset", self.dataset), ("paper", self.reference), ("method", tag), ("licence", self.licence)] {
+            for (key, what) in [("dataset", self.dataset), ("paper", self.reference), ("method", tag), ("licence", self.licence)]
+            {
                 _ = writeln!(text, "            {key:?}: {what:?},");
             }
             if clamped(*property, *value) != *value {
                 _ = writeln!(text, "            \"note\": {CLAMP_RULE:?},\n            \"measured\": {},", written(*value));
             }
             if let Some((low, high)) = self.spread(*property) {
-                _ = writeln!(text, "            \"spread_min\": {},\n            \"spread_max\": {},", written(low), written(high));
+                _ = writeln!(
+                    text,
+                    "            \"spread_min\": {},\n            \"spread_max\": {},",
+                    written(low),
+                    written(high)
+                );
             }
             text += "        },\n";
         }

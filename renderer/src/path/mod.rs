@@ -54,7 +54,7 @@ mod walk;
 pub use adaptive::SampleCounts;
 pub use aov::{Aovs, aovs};
 pub use convergence::{Convergence, ErrorPoint, Prediction};
-pub use debug::{DebugView, LegendEntry, Progress, SampleView, ViewDef, debug_picture, sample_picture};
+pub use debug::{DebugProgress, DebugView, LegendEntry, SampleView, ViewDef, debug_picture, sample_picture};
 pub(crate) use displace::HeightKey;
 pub(crate) use displaced_mesh::displaced_mesh;
 pub use estimate::ErrorEstimate;

@@ -155,12 +155,12 @@ const GAIN_MAX: f32 = 0.1;
 
 /// How far a picture is, and whether it is still wanted; shared with who waits for it.
 #[derive(Debug, Default)]
-pub struct Progress {
+pub struct DebugProgress {
     rows: AtomicUsize,
     is_ended: AtomicBool,
 }
 
-impl Progress {
+impl DebugProgress {
     /// Rows that are done.
     pub fn rows(&self) -> usize {
         self.rows.load(Ordering::Relaxed)
@@ -179,7 +179,7 @@ pub fn debug_picture(
     view: DebugView,
     (width, height): (usize, usize),
     threads: usize,
-    progress: &Progress,
+    progress: &DebugProgress,
 ) -> Option<Vec<Color>> {
     let camera = View::new(prepared, width, height);
     let mut pixels = vec![[0.0; 3]; width * height];

@@ -32,11 +32,11 @@ fn ball(values: &[(P, Value)], map: Option<(P, [[f32; 3]; 2])>) -> Prepared {
 }
 
 fn picture(prepared: &Prepared, view: DebugView) -> Vec<Color> {
-    let pixels = debug_picture(prepared, view, (SIZE, SIZE), 2, &Progress::default()).unwrap();
+    let pixels = debug_picture(prepared, view, (SIZE, SIZE), 2, &DebugProgress::default()).unwrap();
     assert_eq!(pixels.len(), SIZE * SIZE);
     assert!(pixels.iter().flatten().all(|c| (0.0..=1.0).contains(c)), "{view:?}");
     assert_eq!(pixels[0], [0.0; 3], "{view:?}: the environment is black");
-    let alone = debug_picture(prepared, view, (SIZE, SIZE), 1, &Progress::default()).unwrap();
+    let alone = debug_picture(prepared, view, (SIZE, SIZE), 1, &DebugProgress::default()).unwrap();
     assert!(pixels == alone, "{view:?}: threads change nothing");
     pixels
 }

@@ -1,0 +1,217 @@
+//! A library in the window: searched, selected, edited many at once and taken back, opened, applied, dragged onto the view.
+
+use burnish::app::App;
+use burnish::command::Command;
+use burnish::dock::Pane;
+use burnish::panels::library::LibraryAction;
+use burnish::places::Places;
+use burnish_material::{Material, MaterialFile, Property, Value};
+use burnish_tests::window::{
+    CTRL, Window, app, app_mut, button, click, click_secondary, material, press, rect, release, send, with_modifiers, window_with,
+};
+use egui::accesskit::Role;
+use egui::{Event, Modifiers, vec2};
+use egui_kittest::kittest::Queryable;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Longest wait for anything that happens in the background.
+const PATIENCE: Duration = Duration::from_secs(60);
+const NAMES: [&str; 5] = ["Brass", "Copper", "Glass", "Gold", "Velvet"];
+
+/// A folder with five materials: three metals with roughness 0.1, 0.2 and 0.4, and a comment in each file.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, metallic, roughness) in
+        [("Brass", 1.0, 0.1), ("Copper", 1.0, 0.2), ("Glass", 0.0, 0.0), ("Gold", 1.0, 0.4), ("Velvet", 0.0, 0.9)]
+    {
+        let mut material = Material::named(name);
+        material.set(Property::metallic, Value::Float(metallic));
+        material.set(Property::roughness, Value::Float(roughness));
+        let text = format!("// kept: {name}\n{}", MaterialFile::new(&material).text());
+        fs::write(path(folder.path(), name), text).expect("the folder can be written");
+    }
+    folder
+}
+
+fn path(folder: &Path, name: &str) -> PathBuf {
+    folder.join(format!("{name}.asm.ron"))
+}
+
+fn bytes(folder: &Path) -> Vec<Option<Vec<u8>>> {
+    NAMES.iter().map(|name| fs::read(path(folder, name)).ok()).collect()
+}
+
+fn until(window: &mut Window, what: &str, holds: impl Fn(&App) -> bool) {
+    let start = Instant::now();
+    while !holds(app(window)) {
+        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}; said: {:?}", said(window));
+        std::thread::sleep(Duration::from_millis(20));
+        window.run_steps(1);
+    }
+    window.run_steps(3);
+}
+
+fn said(window: &Window) -> Vec<&str> {
+    app(window).messages().iter().map(|message| message.text.as_str()).collect()
+}
+
+fn has_said(app: &App, holds: impl Fn(&str) -> bool) -> bool {
+    app.messages().iter().any(|message| holds(&message.text))
+}
+
+/// A window with the folder open as library, everything read, and no pictures made.
+fn library(root: &Path, home: &Path) -> Window {
+    let (root, part) = (root.to_path_buf(), |name: &str| Some(home.join(name)));
+    let places = Places { config: part("config"), state: part("state"), cache: part("cache") };
+    let mut window = window_with(vec2(1280.0, 900.0), Vec::new(), move |app, ctx| {
+        let mut app = app.keep_in(places.clone(), ctx);
+        app.open_library(&root, ctx);
+        app
+    });
+    until(&mut window, "the library to be read", |app| app.library().is_some_and(|library| library.progress().is_none()));
+    window
+}
+
+fn is_shown(window: &Window, name: &str) -> bool {
+    window.query_all_by_role_and_label(Role::ListBoxOption, name).next().is_some()
+}
+
+fn shown(window: &Window) -> Vec<&'static str> {
+    NAMES.into_iter().filter(|name| is_shown(window, name)).collect()
+}
+
+fn choose(window: &mut Window, name: &str, modifiers: Modifiers) {
+    let at = rect(window, Role::ListBoxOption, name).center();
+    with_modifiers(window, modifiers, [Event::PointerMoved(at), button(at, true)]);
+    with_modifiers(window, modifiers, [button(at, false)]);
+    window.run_steps(2);
+}
+
+fn type_into(window: &mut Window, field: &str, text: &str) {
+    let at = rect(window, Role::TextInput, field).left_center() + vec2(12.0, 0.0);
+    click(window, at);
+    send(window, [Event::Text(text.to_owned())]);
+    window.run_steps(2);
+}
+
+fn press_button(window: &mut Window, name: &str) {
+    let at = rect(window, Role::Button, name).center();
+    click(window, at);
+    window.run_steps(2);
+}
+
+#[test]
+fn many_files_are_edited_in_one_step_that_is_taken_back() {
+    let (folder, home) = (folder(), tempfile::tempdir().expect("a folder"));
+    let mut window = library(folder.path(), home.path());
+    assert_eq!(shown(&window), NAMES);
+    type_into(&mut window, "Search library", "metal rough<0.3");
+    assert_eq!(shown(&window), ["Brass", "Copper"]);
+    let before = bytes(folder.path());
+    choose(&mut window, "Brass", Modifiers::NONE);
+    choose(&mut window, "Copper", CTRL);
+    press_button(&mut window, "Edit…");
+    type_into(&mut window, "Add tags", "measured, worn");
+    press_button(&mut window, "Change 2 materials");
+    until(&mut window, "the files to be written", |app| has_said(app, |text| text.ends_with("2 files written.")));
+    let after = bytes(folder.path());
+    let changed: Vec<&str> = (0..5).filter(|i| after[*i] != before[*i]).map(|i| NAMES[i]).collect();
+    assert_eq!(changed, ["Brass", "Copper"]);
+    let brass = fs::read_to_string(path(folder.path(), "Brass")).expect("it is there");
+    assert!(brass.starts_with("// kept: Brass") && brass.contains("\"tags\": [\"measured\", \"worn\"]"), "{brass}");
+    until(&mut window, "the library to be read", |app| app.library().is_some_and(|library| library.progress().is_none()));
+    press(&mut window, Command::Undo);
+    until(&mut window, "the files to be as before", |app| has_said(app, |text| text.starts_with("Undid")));
+    assert!(bytes(folder.path()) == before, "every byte is as before");
+    press(&mut window, Command::Redo);
+    until(&mut window, "the files to be edited again", |app| has_said(app, |text| text.starts_with("Redid")));
+    assert!(bytes(folder.path()) == after);
+}
+
+#[test]
+fn after_an_edit_of_the_material_undo_is_about_that() {
+    let (folder, home) = (folder(), tempfile::tempdir().expect("a folder"));
+    let mut window = library(folder.path(), home.path());
+    let before = bytes(folder.path());
+    let ctx = window.ctx.clone();
+    app_mut(&mut window).do_in_library(LibraryAction::Duplicate(vec!["Gold.asm.ron".into()]), &ctx);
+    until(&mut window, "the copy", |_| path(folder.path(), "Gold copy").exists());
+    until(&mut window, "it to be said", |app| has_said(app, |text| text.ends_with("1 file written.")));
+    app_mut(&mut window).editor_mut().document.material.set(Property::roughness, Value::Float(0.77));
+    window.run_steps(3);
+    press(&mut window, Command::Undo);
+    assert!(material(&window).float(Property::roughness) != 0.77);
+    assert!(path(folder.path(), "Gold copy").exists(), "the files were not edited last");
+    app_mut(&mut window).do_in_library(LibraryAction::Undo, &ctx);
+    until(&mut window, "the copy to be gone", |_| !path(folder.path(), "Gold copy").exists());
+    assert!(bytes(folder.path()) == before);
+}
+
+#[test]
+fn a_file_is_opened_applied_and_renamed() {
+    let (folder, home) = (folder(), tempfile::tempdir().expect("a folder"));
+    let mut window = library(folder.path(), home.path());
+    // The menu of a card.
+    let at = rect(&window, Role::ListBoxOption, "Velvet").center();
+    click_secondary(&mut window, at);
+    press_button(&mut window, "Apply to this material");
+    until(&mut window, "it to be applied", |app| !app.is_loading() && app.editor().document.material.name == "Velvet");
+    assert!(app(&window).editor().document.path().is_none(), "it is no open file");
+    press(&mut window, Command::Undo);
+    assert!(material(&window).name != "Velvet");
+    // Dragged onto the view.
+    let (from, to) = (rect(&window, Role::ListBoxOption, "Gold").center(), egui::pos2(500.0, 400.0));
+    send(&mut window, [Event::PointerMoved(from), button(from, true)]);
+    for part in [0.1, 0.5, 1.0] {
+        send(&mut window, [Event::PointerMoved(from + part * (to - from))]);
+    }
+    release(&mut window);
+    until(&mut window, "it to be applied", |app| !app.is_loading() && app.editor().document.material.name == "Gold");
+    // Two clicks open it.
+    choose(&mut window, "Copper", Modifiers::NONE);
+    choose(&mut window, "Copper", Modifiers::NONE);
+    until(&mut window, "it to be opened", |app| app.editor().document.path() == Some(&*path(folder.path(), "Copper")));
+    // Another name, for the file as well.
+    let ctx = window.ctx.clone();
+    app_mut(&mut window).do_in_library(LibraryAction::Rename("Glass.asm.ron".into()), &ctx);
+    window.run_steps(3);
+    send(&mut window, [Event::Text(" green".to_owned())]);
+    press_button(&mut window, "Rename");
+    until(&mut window, "the new name", |_| path(folder.path(), "Glass green").exists());
+    assert!(!path(folder.path(), "Glass").exists());
+}
+
+#[test]
+fn a_measurement_becomes_a_file_and_the_library_comes_back() {
+    let (folder, home) = (folder(), tempfile::tempdir().expect("a folder"));
+    let mut window = library(folder.path(), home.path());
+    let silver = burnish_presets::measured::find("silver").expect("it was measured");
+    let ctx = window.ctx.clone();
+    app_mut(&mut window).new_from_measured(silver, &ctx);
+    let file = path(folder.path(), silver.name);
+    until(&mut window, "the file", |_| file.exists());
+    let (silver_file, warnings) = MaterialFile::parse(&fs::read_to_string(&file).expect("it is there")).expect("it is a material");
+    assert!(warnings.is_empty() && silver_file.material().float(Property::metallic) == 1.0);
+    drop(window);
+    // The next window has the library that was open.
+    let part = |name: &str| Some(home.path().join(name));
+    let places = Places { config: part("config"), state: part("state"), cache: part("cache") };
+    let mut window = window_with(vec2(1280.0, 900.0), Vec::new(), move |app, ctx| app.keep_in(places.clone(), ctx));
+    app_mut(&mut window).dock_mut().set_shown(Pane::Folder, true);
+    until(&mut window, "the library to be read", |app| app.library().is_some_and(|l| l.progress().is_none() && l.entries().len() == 6));
+}
+
+#[test]
+fn a_query_that_means_nothing_says_so() {
+    let (folder, home) = (folder(), tempfile::tempdir().expect("a folder"));
+    let mut window = library(folder.path(), home.path());
+    type_into(&mut window, "Search library", "metal rouhg<0.3");
+    assert!(window.query_all_by_label_contains("rouhg").next().is_some());
+    assert_eq!(shown(&window), ["Brass", "Copper", "Gold"], "what is understood holds");
+    fs::remove_dir_all(folder.path()).expect("it can be removed");
+    let ctx = window.ctx.clone();
+    app_mut(&mut window).do_in_library(LibraryAction::Rescan, &ctx);
+    until(&mut window, "the missing folder to be noticed", |app| has_said(app, |text| text.contains("expected a folder")));
+}
