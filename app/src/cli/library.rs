@@ -183,7 +183,11 @@ fn index(arguments: &IndexArguments) -> Result<Outcome, CliError> {
             };
         }
         let (files, read_files) = (entries.len(), read.scanned.read);
-        lines += &format!("{} of {files} files, {broken} that cannot be used; {read_files} read in {:.2} s", found.len(), read.seconds);
+        lines += &format!(
+            "{} of {files} files, {broken} that cannot be used; {read_files} read in {:.2} s",
+            found.len(),
+            read.seconds
+        );
         print_out(&lines)?;
     }
     Ok(if broken > 0 { Outcome::Findings } else { Outcome::Done })
@@ -226,10 +230,13 @@ fn thumbnails(arguments: &ThumbnailsArguments) -> Result<Outcome, CliError> {
     read.shelf.probe().map_err(CliError::unusable)?;
 
     let (part, parts) = arguments.shard;
-    let entries: Vec<Arc<Entry>> = read.scanned.index.entries.iter().filter(|entry| entry.look.part(parts) + 1 == part).cloned().collect();
-    let is_chosen = |entry: &Entry, shelf: &Shelf| entry.problem.is_none() && arguments.only.contains(&shelf.state(entry, setup.digest()));
+    let entries: Vec<Arc<Entry>> =
+        read.scanned.index.entries.iter().filter(|entry| entry.look.part(parts) + 1 == part).cloned().collect();
+    let is_chosen =
+        |entry: &Entry, shelf: &Shelf| entry.problem.is_none() && arguments.only.contains(&shelf.state(entry, setup.digest()));
     let mut left = entries.iter().filter(|entry| is_chosen(entry, &read.shelf)).count();
-    let mut maker = Maker { arguments, setup: &setup, threads, last: None, line: ProgressLine::new(), done: 0, seconds: 0.0, is_full: false };
+    let mut maker =
+        Maker { arguments, setup: &setup, threads, last: None, line: ProgressLine::new(), done: 0, seconds: 0.0, is_full: false };
     let mut rows: Vec<Row> = Vec::with_capacity(entries.len());
     let mut is_whole = true;
     for entry in &entries {
@@ -326,7 +333,7 @@ fn setup_of(arguments: &ThumbnailsArguments, messages: &mut Messages) -> Result<
     let name_of = |text: &Option<String>, mut known: Vec<&str>| match text {
         _ if options.scene.is_some() && text.is_none() => None,
         None => known.first().map(|name| (*name).to_owned()),
-        Some(text) => known.drain(..).find(|name| name == text).map(str::to_owned),
+        Some(text) => known.drain(..).find(|name| name.eq_ignore_ascii_case(text)).map(str::to_owned),
     };
     let stage = Stage {
         scene: loaded.scene,
@@ -378,13 +385,17 @@ fn report(
         if let Some(problem) = &row.problem {
             lines += &format!("{path}: {problem}\n");
         } else if let Some(made) = &row.made {
-            let error = made.relmse.map_or_else(|| "error unknown".to_owned(), |relmse| format!("error {:.1} %", 100.0 * relmse.sqrt()));
+            let error =
+                made.relmse.map_or_else(|| "error unknown".to_owned(), |relmse| format!("error {:.1} %", 100.0 * relmse.sqrt()));
             let limit = if is_limited(&row) { ", stopped by the time limit" } else { "" };
             lines += &format!("{path}: {:.1} s, {error}{limit}\n", made.seconds);
         }
     }
     let total = rows.len();
-    print_out(&format!("{lines}{total} files, {made} pictures made, {} of them stopped by the time limit, {failed} that cannot be made", limited.len()))
+    print_out(&format!(
+        "{lines}{total} files, {made} pictures made, {} of them stopped by the time limit, {failed} that cannot be made",
+        limited.len()
+    ))
 }
 
 fn thumbnail_row(row: &Row<'_>, setup: &Setup, shelf: &Shelf) -> Value {

@@ -269,7 +269,9 @@ fn file_name(name: &str) -> Result<String, String> {
     let name = name.trim();
     let is_bad = |c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c);
     if name.is_empty() || name.starts_with('.') || name.ends_with('.') || name.len() > MAX_NAME || name.contains(is_bad) {
-        return Err(format!("expected a name of 1 to {MAX_NAME} bytes without / \\ : * ? \" < > | and without a dot at its ends, found `{name}`"));
+        return Err(format!(
+            "expected a name of 1 to {MAX_NAME} bytes without / \\ : * ? \" < > | and without a dot at its ends, found `{name}`"
+        ));
     }
     Ok(format!("{name}.{}", files::MATERIAL_EXTENSION))
 }

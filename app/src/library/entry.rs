@@ -199,9 +199,14 @@ fn values_hash(material: &Material, textures: &[String]) -> Digest {
     for (def, (property, slot)) in PROPERTIES.iter().zip(material.slots()) {
         let value = material.value(property);
         all.text(def.name).numbers(value.numbers()).whole(&[u64::from(value == Value::Bool(true))]);
-        if let Some(TextureRef { path, channel, color_space, is_inverted, wrap, uv_scale, uv_offset, uv_rotation }) = &slot.texture {
+        if let Some(TextureRef { path, channel, color_space, is_inverted, wrap, uv_scale, uv_offset, uv_rotation }) =
+            &slot.texture
+        {
             let place = textures.iter().position(|known| known == path);
-            all.whole(&[place.map_or(0, |place| place as u64 + 1), u64::from(*is_inverted)]).text(channel.word()).text(color_space.word()).text(wrap.word());
+            all.whole(&[place.map_or(0, |place| place as u64 + 1), u64::from(*is_inverted)])
+                .text(channel.word())
+                .text(color_space.word())
+                .text(wrap.word());
             all.numbers(uv_scale).numbers(uv_offset).numbers(&[*uv_rotation]);
         }
     }
@@ -222,7 +227,8 @@ mod tests {
     #[test]
     fn what_cannot_be_seen_leaves_the_look_alone() {
         let plain = entry(r#"{"asm": "4.0", "properties": {"roughness": 0.2}}"#);
-        let tagged = entry("// Note.\n{\"asm\": \"4.0\", \"name\": \"Other\", \"tags\": [\"a\"], \"properties\": {\"roughness\": 0.20}}");
+        let tagged =
+            entry("// Note.\n{\"asm\": \"4.0\", \"name\": \"Other\", \"tags\": [\"a\"], \"properties\": {\"roughness\": 0.20}}");
         assert_eq!(plain.look, tagged.look);
         assert_ne!(plain.content, tagged.content);
         for other in [
@@ -241,7 +247,9 @@ mod tests {
 
     #[test]
     fn values_are_those_of_the_file_or_defaults() {
-        let entry = entry(r#"{"properties": {"roughness": 0.2, "base_color": (1.0, 0.0, 0.0), "scatter": true, "coat": {"texture": {"path": "c.png"}}}}"#);
+        let entry = entry(
+            r#"{"properties": {"roughness": 0.2, "base_color": (1.0, 0.0, 0.0), "scatter": true, "coat": {"texture": {"path": "c.png"}}}}"#,
+        );
         assert_eq!(entry.problem, None);
         assert_eq!((entry.name.as_str(), entry.group().as_str()), ("plain", "metals"));
         for (property, expected) in [

@@ -48,7 +48,8 @@ struct IndexFile<E, I> {
 impl Index {
     /// What the file at `path` holds, as long as it is one of this version; otherwise an empty index, which costs a whole scan and no word.
     pub fn load(path: &Path, root: &Path) -> Self {
-        let bytes = fs::metadata(path).ok().filter(|found| found.is_file() && found.len() <= MAX_BYTES).and_then(|_| fs::read(path).ok());
+        let bytes =
+            fs::metadata(path).ok().filter(|found| found.is_file() && found.len() <= MAX_BYTES).and_then(|_| fs::read(path).ok());
         let read = |bytes: Vec<u8>| serde_json::from_slice::<IndexFile<Entry, (PathBuf, ImageHash)>>(&bytes).ok();
         let Some(file) = bytes.and_then(read).filter(|file| file.version == VERSION && file.tables == tables()) else {
             return Self::default();

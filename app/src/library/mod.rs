@@ -171,7 +171,8 @@ impl Library {
         };
         if let Err(error) = std::thread::Builder::new().name("library".to_owned()).spawn(move || scanner.run()) {
             self.progress = None;
-            self.problems.push(format!("{}: cannot be searched, because the system has no more threads: {error}", self.root.display()));
+            self.problems
+                .push(format!("{}: cannot be searched, because the system has no more threads: {error}", self.root.display()));
         }
     }
 

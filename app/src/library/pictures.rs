@@ -107,7 +107,8 @@ impl Pictures {
         let shelf = folder.map(Shelf::empty);
         let loader = Loader { shelf: shelf.clone(), queue: loads.clone(), sender: sender.clone(), wake: wake.clone() };
         let (may_make, made) = (Arc::<Mutex<HashSet<Digest>>>::default(), HashSet::new());
-        let maker = Maker { root: root.to_path_buf(), shelf, queue: makes.clone(), may_make: may_make.clone(), made, sender, wake };
+        let maker =
+            Maker { root: root.to_path_buf(), shelf, queue: makes.clone(), may_make: may_make.clone(), made, sender, wake };
         // Without a thread nothing comes, which shows as pictures that are missing.
         _ = std::thread::Builder::new().name("library pictures".to_owned()).spawn(move || loader.run());
         _ = std::thread::Builder::new().name("library renderer".to_owned()).spawn(move || maker.run());

@@ -212,7 +212,8 @@ mod tests {
         }
         let kept = entry(b"kept", Some(b"before"));
         assert_eq!(shelf.clean([&kept].into_iter(), 150), 2);
-        let has = |name: &str| shelf.path(Digest::of(name.as_bytes()), setup).exists() && shelf.has_any(Digest::of(name.as_bytes()));
+        let has =
+            |name: &str| shelf.path(Digest::of(name.as_bytes()), setup).exists() && shelf.has_any(Digest::of(name.as_bytes()));
         assert_eq!(["a", "b", "c", "kept", "before"].map(has), [false, false, true, true, true]);
     }
 
