@@ -376,8 +376,8 @@ fn files_are_renamed_copied_and_made_without_losing_any() {
 
 /// A setup that takes next to no time.
 fn quick_setup() -> Setup {
-    let model: ModelMeshes = make_shape("sphere").unwrap().into();
-    let map = Arc::new(make_environment("white-furnace").unwrap());
+    let model: ModelMeshes = make_shape("sphere").expect("it is built in").into();
+    let map = Arc::new(make_environment("white-furnace").expect("it is built in"));
     let light = EnvironmentLight { map, rotation_deg: 0.0, scale: 1.0 };
     let scene = Scene::of_model(&model, Arc::default(), Arc::default(), light, model.unit_mm);
     let names = [Some("sphere".to_owned()), Some("white-furnace".to_owned())];
