@@ -2,6 +2,7 @@
 
 pub mod coverage;
 pub mod gpu;
+pub mod library;
 pub mod materials;
 pub mod number;
 pub mod quadrature;

@@ -333,7 +333,7 @@ fn setup_of(arguments: &ThumbnailsArguments, messages: &mut Messages) -> Result<
     let name_of = |text: &Option<String>, mut known: Vec<&str>| match text {
         _ if options.scene.is_some() && text.is_none() => None,
         None => known.first().map(|name| (*name).to_owned()),
-        Some(text) => known.drain(..).find(|name| name == text).map(str::to_owned),
+        Some(text) => known.drain(..).find(|name| name.eq_ignore_ascii_case(text)).map(str::to_owned),
     };
     let stage = Stage {
         scene: loaded.scene,

@@ -183,7 +183,7 @@ fn what(text: &str) -> Result<What, String> {
     let colon = text.find(':');
     match relation.min_by_key(|(at, length, _)| (*at, usize::MAX - length)) {
         Some((at, length, relation)) if colon.is_none_or(|colon| at < colon) => {
-            let property = property(&text[..at])?;
+            let property = property(&text[..at], false)?;
             let number = number(&text[at + length..]).ok_or_else(|| {
                 let name = property.def().name;
                 format!("`{text}`: expected a number after {name}, such as {name}<0.3, found `{}`", &text[at + length..])
@@ -229,7 +229,7 @@ fn keyed(key: &str, word: &str) -> Result<What, String> {
                 .map(What::Picture)
                 .ok_or_else(|| format!("`is:{word}`: expected fresh, stale, missing, favourite or broken")),
         },
-        "texture" => Ok(What::Texture(Some(property(word)?))),
+        "texture" => Ok(What::Texture(Some(property(word, true)?))),
         _ => Err(format!(
             "`{key}:` means nothing; expected name, tag, group, licence, notes, has, is, texture or fav before the colon"
         )),
@@ -237,22 +237,23 @@ fn keyed(key: &str, word: &str) -> Result<What, String> {
 }
 
 /// The property of which `text` is a name or a clear beginning of one; case, spaces, `_` and `-` do not matter.
-fn property(text: &str) -> Result<Property, String> {
+fn property(text: &str, takes_directions: bool) -> Result<Property, String> {
     let plain = |text: &str| text.to_lowercase().replace(['_', ' ', '-'], "");
     let word = plain(text);
     let names = |property: Property| {
         let def = property.def();
         [def.name, def.usage, def.label].map(plain)
     };
-    let comparable = PROPERTIES.iter().filter(|def| !matches!(def.default, Value::Normal(_))).map(|def| def.id);
-    let found: Vec<Property> =
-        comparable.filter(|id| !word.is_empty() && names(*id).iter().any(|name| name.starts_with(&word))).collect();
-    match (found.iter().find(|id| names(**id).contains(&word)), found.as_slice()) {
-        (Some(exact), _) => Ok(*exact),
+    let is_refused = |property: Property| !takes_directions && matches!(property.def().default, Value::Normal(_));
+    let is_exact = |property: &Property| names(*property).contains(&word);
+    let begins = |property: &Property| !word.is_empty() && names(*property).iter().any(|name| name.starts_with(&word));
+    let all = || PROPERTIES.iter().map(|def| def.id);
+    let found: Vec<Property> = all().filter(|property| begins(property) && !is_refused(*property)).collect();
+    match (all().find(is_exact), found.as_slice()) {
+        (Some(exact), _) if is_refused(exact) => Err(format!("`{text}`: {} is a direction, which has no size", exact.def().name)),
+        (Some(exact), _) => Ok(exact),
         (None, [one]) => Ok(*one),
-        (None, []) => {
-            Err(format!("`{text}` is the beginning of no property with a value; expected one such as rough or base_color"))
-        }
+        (None, []) => Err(format!("`{text}` is the beginning of no property; expected one such as rough or base_color")),
         (None, several) => {
             let names: Vec<_> = several.iter().map(|id| id.def().name).collect();
             Err(format!("`{text}` may be {}; expected more letters", names.join(" or ")))

@@ -17,6 +17,9 @@ const BATCH: usize = 64;
 /// Of larger images only the size counts: no renderer reads them.
 const MAX_IMAGE_BYTES: u64 = 2 << 30;
 
+/// The next number to work on.
+type Next<'a> = dyn Fn() -> Option<usize> + 'a;
+
 /// How far a scan is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
@@ -203,7 +206,7 @@ impl Scan<'_> {
     }
 
     /// Calls `work` on each thread with a source of numbers below `count`, which ends when all are given out or the scan is cancelled.
-    fn on_threads(&self, count: usize, work: &(dyn Fn(&dyn Fn() -> Option<usize>) + Sync)) {
+    fn on_threads(&self, count: usize, work: &(dyn Fn(&Next<'_>) + Sync)) {
         let given = AtomicUsize::new(0);
         let next = || Some(given.fetch_add(1, Ordering::Relaxed)).filter(|at| *at < count && !(self.is_cancelled)());
         let threads = self.threads.clamp(1, count.max(1));
