@@ -7,7 +7,7 @@ use burnish::panels::library::LibraryAction;
 use burnish::places::Places;
 use burnish_material::{Material, MaterialFile, Property, Value};
 use burnish_tests::window::{
-    CTRL, Window, app, app_mut, button, click, click_secondary, material, press, rect, release, send, with_modifiers, window_with,
+    CTRL, Window, app, app_mut, button, click, click_secondary, material, press, rect, release, send, window_with, with_modifiers,
 };
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, vec2};
@@ -192,7 +192,8 @@ fn a_measurement_becomes_a_file_and_the_library_comes_back() {
     app_mut(&mut window).new_from_measured(silver, &ctx);
     let file = path(folder.path(), silver.name);
     until(&mut window, "the file", |_| file.exists());
-    let (silver_file, warnings) = MaterialFile::parse(&fs::read_to_string(&file).expect("it is there")).expect("it is a material");
+    let (silver_file, warnings) =
+        MaterialFile::parse(&fs::read_to_string(&file).expect("it is there")).expect("it is a material");
     assert!(warnings.is_empty() && silver_file.material().float(Property::metallic) == 1.0);
     drop(window);
     // The next window has the library that was open.
@@ -200,7 +201,9 @@ fn a_measurement_becomes_a_file_and_the_library_comes_back() {
     let places = Places { config: part("config"), state: part("state"), cache: part("cache") };
     let mut window = window_with(vec2(1280.0, 900.0), Vec::new(), move |app, ctx| app.keep_in(places.clone(), ctx));
     app_mut(&mut window).dock_mut().set_shown(Pane::Folder, true);
-    until(&mut window, "the library to be read", |app| app.library().is_some_and(|l| l.progress().is_none() && l.entries().len() == 6));
+    until(&mut window, "the library to be read", |app| {
+        app.library().is_some_and(|l| l.progress().is_none() && l.entries().len() == 6)
+    });
 }
 
 #[test]
