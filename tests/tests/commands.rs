@@ -113,6 +113,8 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
         Command::Open | Command::LoadModel | Command::LoadEnvironment | Command::LoadTextureSet | Command::LoadReference => {
             is_said(window, "chosen")
         }
+        Command::OpenLibrary => is_said(window, "Library ") && app.library().is_some(),
+        Command::NewFromMeasured => has(window, Role::TextInput, "Search measured materials"),
         Command::OpenRecent => has(window, Role::TextInput, "Open recent"),
         Command::Save | Command::SaveAs => is_said(window, "saved, reread") && folder.join("chosen.asm.ron").exists(),
         Command::CloseTab => now.documents + 1 == before.documents,
@@ -146,6 +148,7 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
         Command::Fullscreen => asks(window, &ViewportCommand::Fullscreen(true)),
         Command::NextTab | Command::PreviousTab => now.title != before.title,
         Command::ToggleLibrary => is_drawn(Pane::Library, true),
+        Command::ToggleFolder => is_drawn(Pane::Folder, false),
         Command::ToggleProperties => is_drawn(Pane::Properties, true),
         Command::ToggleLobes => is_drawn(Pane::Lobes, true),
         Command::ToggleChart => is_drawn(Pane::Chart, true),
