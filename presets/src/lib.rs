@@ -38,15 +38,18 @@ impl Preset {
 const GROUP_TITLES: &[(&str, &str)] = &[
     ("ceramics", "Ceramics"),
     ("emitters", "Emitters"),
-    ("fabrics", "Fabrics"),
+    ("fabrics", "Fabrics and leather"),
+    ("foods", "Foods"),
     ("glass-gems", "Glass and gems"),
-    ("liquids", "Liquids and ice"),
+    ("liquids", "Liquids, pastes and ice"),
     ("metals", "Metals"),
-    ("organic", "Wood, paper and wax"),
+    ("organic", "Wax, shell, bone and plants"),
     ("paints", "Paints and coats"),
+    ("papers", "Papers"),
     ("plastics", "Plastics and rubber"),
     ("skin", "Skin"),
-    ("stone", "Stone and ground"),
+    ("stone", "Stone, ground and building"),
+    ("woods", "Woods"),
 ];
 
 /// All presets, sorted by group, then by name.

@@ -2,11 +2,29 @@
 
 use std::collections::BTreeSet;
 
-use burnish_material::{LimitKind, Material, MaterialFile, Property};
-use burnish_presets::{Preset, find, group_title, presets, search};
+use burnish_material::{LimitKind, Material, MaterialFile, Property, Severity, Value, check};
+use burnish_presets::{Preset, find, group_title, measured, presets, search};
+
+/// The groups of the library: names of the folders.
+const GROUPS: [&str; 14] = [
+    "ceramics",
+    "emitters",
+    "fabrics",
+    "foods",
+    "glass-gems",
+    "liquids",
+    "metals",
+    "organic",
+    "paints",
+    "papers",
+    "plastics",
+    "skin",
+    "stone",
+    "woods",
+];
 
 /// Calls `check` with every preset and its file; a message of the check names the preset.
-fn for_each(check: impl Fn(&Preset, &MaterialFile)) {
+fn for_each(mut check: impl FnMut(&Preset, &MaterialFile)) {
     for preset in presets() {
         match preset.parse() {
             Ok((file, _)) => check(preset, &file),
@@ -176,15 +194,65 @@ fn a_clamped_value_keeps_the_measured_one_beside_it() {
 }
 
 #[test]
+fn metals_reflect_as_measured() {
+    let mut compared = 0;
+    let mut clamped = 0;
+    for_each(|preset, file| {
+        let material = file.material();
+        let Some(source) = file.source_of(Property::base_color) else { return };
+        if material.float(Property::metallic) != 1.0 || source.method != "measured" {
+            return;
+        }
+        let row = measured::measured().iter().find(|row| row.dataset == source.dataset);
+        let row = row.unwrap_or_else(|| panic!("{}: {} is not in the table", preset.file_stem, source.dataset));
+        for (property, text) in [(Property::base_color, "F0"), (Property::specular_edge_color, "edge")] {
+            let Some(Value::Color(real)) = row.value(property) else { panic!("{}: the table has no {text}", preset.file_stem) };
+            let written = material.color(property);
+            // The one rule for what lies outside of Rec.709: clamp per channel to [0,1].
+            let off = real.iter().zip(written).map(|(real, x)| (real.clamp(0.0, 1.0) - x).abs()).fold(0.0, f64::max);
+            assert!(off <= 0.002, "{}: {text} is {written:?}, measured {real:?}", preset.file_stem);
+            if real.iter().any(|x| !(0.0..=1.0).contains(x)) {
+                let [r, g, b] = real;
+                let beside = format!("\"measured\": ({r:?}, {g:?}, {b:?})");
+                let holds = preset.text.contains("clamp per channel to [0,1]") && preset.text.contains(&beside);
+                assert!(holds, "{}: {text} is clamped, expected {beside} beside it", preset.file_stem);
+                clamped += 1;
+            }
+        }
+        if let Some((low, high)) = row.spread(Property::base_color) {
+            let written = (source.spread_min, source.spread_max);
+            assert_eq!(written, (Some(low), Some(high)), "{}: spread of the datasets", preset.file_stem);
+        }
+        compared += 1;
+    });
+    assert!(compared >= 30 && clamped >= 6, "only {compared} metals were compared, {clamped} values clamped");
+}
+
+#[test]
+fn nothing_is_odd_about_a_preset() {
+    // Rightly warned about, and its notes say why: one coloured metal stands for flakes in a tinted lacquer.
+    let expected = BTreeSet::from(["car-paint-metallic-blue"]);
+    let mut warned = BTreeSet::new();
+    for_each(|preset, file| {
+        for finding in check(file.material()) {
+            assert_ne!(finding.severity, Severity::Error, "{}: {finding}", preset.file_stem);
+            if finding.severity == Severity::Warning {
+                warned.insert(preset.file_stem);
+            }
+        }
+    });
+    assert_eq!(warned, expected);
+}
+
+#[test]
 fn the_required_groups_are_there() {
-    assert!(presets().len() >= 24, "{} presets", presets().len());
-    let required = ["metals", "glass-gems", "liquids", "plastics", "paints", "fabrics", "ceramics", "stone", "emitters", "skin"];
+    assert!(presets().len() >= 165, "{} presets", presets().len());
     let groups: BTreeSet<_> = presets().iter().map(|preset| preset.group).collect();
-    for group in required {
-        assert!(groups.contains(group), "no preset in {group}");
-    }
+    assert_eq!(groups, BTreeSet::from(GROUPS));
     for group in groups {
         assert_ne!(group_title(group), "Other", "{group} needs a title in lib.rs");
+        let count = presets().iter().filter(|preset| preset.group == group).count();
+        assert!(count >= 5, "only {count} presets in {group}");
     }
     assert_eq!(group_title("no such group"), "Other");
 }
