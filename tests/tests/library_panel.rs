@@ -54,11 +54,12 @@ fn until(window: &mut Window, what: &str, holds: impl Fn(&App) -> bool) {
 }
 
 fn said(window: &Window) -> Vec<&str> {
-    app(window).messages().iter().map(|message| message.text.as_str()).collect()
+    let messages = app(window).messages();
+    messages.iter().map(|message| message.text.as_str()).chain([messages.last_info()]).collect()
 }
 
 fn has_said(app: &App, holds: impl Fn(&str) -> bool) -> bool {
-    app.messages().iter().any(|message| holds(&message.text))
+    holds(app.messages().last_info()) || app.messages().iter().any(|message| holds(&message.text))
 }
 
 /// A window with the folder open as library, everything read, and no pictures made.
@@ -156,6 +157,7 @@ fn a_file_is_opened_applied_and_renamed() {
     // The menu of a card.
     let at = rect(&window, Role::ListBoxOption, "Velvet").center();
     click_secondary(&mut window, at);
+    window.run_steps(2);
     press_button(&mut window, "Apply to this material");
     until(&mut window, "it to be applied", |app| !app.is_loading() && app.editor().document.material.name == "Velvet");
     assert!(app(&window).editor().document.path().is_none(), "it is no open file");

@@ -37,8 +37,8 @@ impl App {
     /// Whether a command would do something now.
     pub(super) fn is_possible(&self, command: Command) -> bool {
         match command {
-            Command::Undo => self.history.undo_label().is_some(),
-            Command::Redo => self.history.redo_label().is_some(),
+            Command::Undo => self.undo_label().is_some(),
+            Command::Redo => self.redo_label().is_some(),
             Command::ResetAll => self.editor.document.material.slots().any(|(_, slot)| *slot != Slot::default()),
             // The preview's own place says why there is none, and tries again.
             Command::ShowBoth | Command::ShowWipe | Command::ShowDifference | Command::ToggleFinal => {
@@ -49,6 +49,16 @@ impl App {
             Command::NextBookmark => !self.editor.view.bookmarks.is_empty(),
             _ => true,
         }
+    }
+
+    /// The name of the step that undo takes back: of the library, if that was last, or of the material.
+    pub(super) fn undo_label(&self) -> Option<&str> {
+        self.file_undo().or_else(|| self.history.undo_label())
+    }
+
+    /// The same for what redo makes again.
+    pub(super) fn redo_label(&self) -> Option<&str> {
+        self.file_redo().or_else(|| self.history.redo_label())
     }
 
     /// Whether a command's menu item is marked.

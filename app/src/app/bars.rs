@@ -51,8 +51,8 @@ impl App {
     fn menu_item(&mut self, ui: &mut Ui, command: Command) {
         let mut text = command.text().to_owned();
         match command {
-            Command::Undo => text = self.history.undo_label().map_or(text.clone(), |label| format!("{text}: {label}")),
-            Command::Redo => text = self.history.redo_label().map_or(text.clone(), |label| format!("{text}: {label}")),
+            Command::Undo => text = self.undo_label().map_or(text.clone(), |label| format!("{text}: {label}")),
+            Command::Redo => text = self.redo_label().map_or(text.clone(), |label| format!("{text}: {label}")),
             _ => {}
         }
         let keys = self.keymap.shown(command);

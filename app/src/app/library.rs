@@ -172,11 +172,26 @@ impl App {
         self.shelf.running = Some((step, receiver));
     }
 
+    /// Whether files were edited last, and nothing else was done since.
+    fn are_files_last(&self) -> bool {
+        let here = (self.tabs.front_id(), self.history.labels().count());
+        self.shelf.running.is_none() && self.shelf.last == Some(here) && !self.history.is_pending()
+    }
+
+    /// The edit of files that undo takes back, if it is its turn.
+    pub(super) fn file_undo(&self) -> Option<&str> {
+        self.shelf.done.last().filter(|_| self.are_files_last()).map(|step| step.title.as_str())
+    }
+
+    /// The edit of files that redo makes again, if it is its turn.
+    pub(super) fn file_redo(&self) -> Option<&str> {
+        self.shelf.undone.last().filter(|_| self.are_files_last()).map(|step| step.title.as_str())
+    }
+
     /// Takes the last edit of files back if nothing was done since; whether it was so.
     pub(super) fn undo_files(&mut self, is_asked: bool, ctx: &Context) -> bool {
-        let here = (self.tabs.front_id(), self.history.labels().count());
-        let is_last = is_asked || (self.shelf.last == Some(here) && !self.history.is_pending());
-        let Some(step) = self.shelf.done.pop_if(|_| is_last && self.shelf.running.is_none()) else { return false };
+        let is_due = self.are_files_last() || (is_asked && self.shelf.running.is_none());
+        let Some(step) = self.shelf.done.pop_if(|_| is_due) else { return false };
         let edit = step.reversed();
         self.edit_files(Step::Undo, move || Planned { edit, refused: Vec::new() }, ctx);
         true
@@ -184,9 +199,8 @@ impl App {
 
     /// The same for making it again.
     pub(super) fn redo_files(&mut self, is_asked: bool, ctx: &Context) -> bool {
-        let here = (self.tabs.front_id(), self.history.labels().count());
-        let is_last = is_asked || (self.shelf.last == Some(here) && !self.history.is_pending());
-        let Some(edit) = self.shelf.undone.pop_if(|_| is_last && self.shelf.running.is_none()) else { return false };
+        let is_due = self.are_files_last() || (is_asked && self.shelf.running.is_none());
+        let Some(edit) = self.shelf.undone.pop_if(|_| is_due) else { return false };
         self.edit_files(Step::Redo, move || Planned { edit, refused: Vec::new() }, ctx);
         true
     }

@@ -127,11 +127,9 @@ impl LibraryPanel {
         if let Some(problem) = self.query.problem() {
             ui.label(RichText::new(format!("⚠ {problem}")).small().color(theme::now().warning));
         }
-        if !self.selected.is_empty() {
-            egui::Panel::bottom("selected").frame(egui::Frame::new()).show_separator_line(false).show(ui, |ui| {
-                action = self.selection_bar(ui, library).or(action.take());
-            });
-        }
+        egui::Panel::bottom("selected").frame(egui::Frame::new()).show_separator_line(false).show(ui, |ui| {
+            action = self.selection_bar(ui, library).or(action.take());
+        });
         self.grid(ui, library, around).or(action)
     }
 
@@ -368,17 +366,19 @@ impl LibraryPanel {
         let mut action = None;
         let all: Vec<PathBuf> = self.selected.iter().cloned().collect();
         ui.add_space(2.0);
+        let has_any = !all.is_empty();
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
-            if ui.button("Open").clicked() {
+            if ui.add_enabled(has_any, Button::new("Open")).clicked() {
                 action = Some(LibraryAction::Open(all.clone()));
             }
-            if let [one] = all.as_slice()
-                && ui.button("Apply").on_hover_text("Put it in the place of the material in front; undo takes it back").clicked()
-            {
+            let apply = ui.add_enabled(all.len() == 1, Button::new("Apply"));
+            let apply = apply.on_hover_text("Put it in the place of the material in front; undo takes it back");
+            if let Some(one) = all.first().filter(|_| apply.clicked()) {
                 action = Some(LibraryAction::Apply(one.clone()));
             }
-            if ui.button("Edit…").on_hover_text("Tags, licence and values of all that are selected, in one step").clicked() {
+            let edit = ui.add_enabled(has_any, Button::new("Edit…"));
+            if edit.on_hover_text("Tags, licence and values of all that are selected, in one step").clicked() {
                 action = Some(LibraryAction::Edit(all.clone()));
             }
             if ui.button("All").on_hover_text("Select everything that was found").clicked() {
