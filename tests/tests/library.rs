@@ -439,6 +439,19 @@ fn pictures_come_for_what_is_in_sight_and_stay_on_disk() {
     library.rescan();
     wait(&mut library, |library| !library.matching(&Query::parse("tag:seen")).is_empty());
     assert_eq!(library.matching(&Query::parse("is:stale")), [1]);
+
+    // All the others at once, in the order of the batch.
+    library.make_all(&(0..12).collect::<Vec<_>>(), 2);
+    assert_eq!((library.making().done, library.making().total), (0, 10));
+    let start = Instant::now();
+    while library.making().done < 10 {
+        library.show(&[], false);
+        library.poll();
+        assert!(start.elapsed() < Duration::from_secs(60), "pictures do not come");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert_eq!(library.making().seconds_left, Some(0.0));
+    assert_eq!(library.matching(&Query::parse("is:fresh")).len(), 12);
 }
 
 #[test]

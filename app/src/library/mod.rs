@@ -24,7 +24,7 @@ use crate::thumbnails::Thumbnail;
 use digest::Digest;
 use index::Index;
 use marks::Marks;
-use pictures::{Pictures, Wake};
+use pictures::{Making, Pictures, Wake};
 use query::Facts;
 use scan::{Event, Progress, Scan, Scanned};
 use setup::{Frame, Setup, Stage};
@@ -278,6 +278,20 @@ impl Library {
         let Some(setup) = &self.setup else { return };
         let entries: Vec<&Arc<Entry>> = numbers.iter().filter_map(|number| self.entries.get(*number)).collect();
         self.pictures.want(&entries, &self.shelf, setup, makes);
+    }
+
+    /// Makes the pictures of all these entries that are missing or stale, after those in sight, on `threads` threads. An earlier such order is
+    /// given up, with an empty one nothing else comes. [`Self::show`] has to be called on.
+    pub fn make_all(&mut self, numbers: &[usize], threads: usize) {
+        let Some(setup) = &self.setup else { return };
+        let entries: Vec<&Arc<Entry>> = numbers.iter().filter_map(|number| self.entries.get(*number)).collect();
+        self.pictures.make_all(&entries, &self.shelf, setup);
+        self.pictures.set_threads(threads);
+    }
+
+    /// How far the last [`Self::make_all`] is.
+    pub fn making(&self) -> &Making {
+        self.pictures.making()
     }
 
     /// Takes other pictures from now on. Those of the old setup count as stale.
