@@ -31,9 +31,9 @@ use setup::{Frame, Setup, Stage};
 use shelf::Shelf;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Why a library cannot be used. Shown to the user as it is.
 #[derive(Debug)]
@@ -113,6 +113,8 @@ pub struct Library {
     revision: u64,
     is_cancelled: Arc<AtomicBool>,
     messages: Receiver<Message>,
+    /// Held while the index is written: a scan that was given up may still do that.
+    writing: Arc<Mutex<()>>,
     wake: Wake,
 }
 
@@ -137,6 +139,7 @@ impl Library {
             revision: 0,
             is_cancelled: Arc::default(),
             messages: channel().1,
+            writing: Arc::default(),
             wake,
         };
         library.start(true);
@@ -167,6 +170,7 @@ impl Library {
             needs_setup: self.setup.is_none(),
             is_cancelled: self.is_cancelled.clone(),
             sender,
+            writing: self.writing.clone(),
             wake: self.wake.clone(),
         };
         if let Err(error) = std::thread::Builder::new().name("library".to_owned()).spawn(move || scanner.run()) {
@@ -180,7 +184,15 @@ impl Library {
     pub fn poll(&mut self) -> bool {
         let mut is_new = false;
         let mut read: Vec<Arc<Entry>> = Vec::new();
-        while let Ok(message) = self.messages.try_recv() {
+        loop {
+            let message = match self.messages.try_recv() {
+                Ok(message) => message,
+                Err(TryRecvError::Disconnected) if self.progress.take().is_some() => {
+                    let problem = format!("{}: could not be searched, because the program failed at it", self.root.display());
+                    Message::Problem(problem)
+                }
+                Err(_) => break,
+            };
             is_new = true;
             match message {
                 Message::Known(index, shelf) => {
@@ -341,6 +353,7 @@ struct Scanner {
     needs_setup: bool,
     is_cancelled: Arc<AtomicBool>,
     sender: Sender<Message>,
+    writing: Arc<Mutex<()>>,
     wake: Wake,
 }
 
@@ -366,9 +379,12 @@ impl Scanner {
         let scanned = scan.run();
         if let (Ok(scanned), Some(path)) = (&scanned, &self.places.index)
             && scanned.is_changed
-            && let Err(error) = scanned.index.save(path)
         {
-            self.tell(Message::Problem(error.to_string()));
+            let writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Err(error) = scanned.index.save(path) {
+                self.tell(Message::Problem(error.to_string()));
+            }
+            drop(writing);
         }
         self.tell(Message::Done(scanned));
     }

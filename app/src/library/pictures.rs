@@ -9,7 +9,6 @@ use burnish_renderer::path::{Prepared, StopReason};
 use image::ImageReader;
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -337,13 +336,9 @@ impl Maker {
         let mut last: Option<Prepared> = None;
         while let Some((entry, setup)) = self.queue.next() {
             let place = self.root.join(&entry.path);
-            let made = catch_unwind(AssertUnwindSafe(|| self.make(&entry, &setup, &mut last)));
+            let made = setup::guarded(|| self.make(&entry, &setup, &mut last));
             let failed = |problem: String| Some(Done::Failed(entry.look, format!("{}: {problem}", place.display())));
-            let done = match made {
-                Ok(Ok(done)) => done,
-                Ok(Err(problem)) => failed(problem),
-                Err(_) => failed("the picture could not be made, because the renderer failed".to_owned()),
-            };
+            let done = made.unwrap_or_else(failed);
             if let Some(done) = done {
                 if self.sender.send(done).is_err() {
                     return;
