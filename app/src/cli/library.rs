@@ -31,8 +31,7 @@ pub struct LibraryArguments {
 
 #[derive(Debug, Subcommand)]
 enum Action {
-    /// Lists the materials in a folder and below, and whether their pictures in the cache are those that `thumbnails` makes without
-    /// options; only files that have changed are read
+    /// Lists the materials in a folder and below, and whether the pictures that `thumbnails` makes without options are there
     Index(IndexArguments),
     /// Makes small pictures of the materials in a folder and below
     #[command(mut_arg("size", |size| {

@@ -133,6 +133,11 @@ fn parts_of_a_library_are_put_together_by_copying() {
     assert!(made.len() == 1 && made[0]["path"] == "twin.asm.ron" && made[0]["state_before"] == "stale", "{made:?}");
     // Other quality, other pictures.
     assert_eq!(make(&place, "all", &["--error", "30%"]).json()["made"], 9);
+    // A whole scene instead of a mesh: its lengths stand as they are, its size holds.
+    let scene = ["library", "thumbnails", "library", "--json", "--out", "scene", "--scene", "scenes/quad.json", "--error", "50%"];
+    assert_eq!(run(&place, &scene).json()["made"], 9);
+    let sizes = pictures(&place.path("scene")).into_iter().map(|name| image::open(place.path("scene").join(name)).unwrap());
+    assert!(sizes.map(|picture| (picture.width(), picture.height())).all(|size| size == (24, 16)));
     let limited = make(&place, "limited", &["--error", "1e-12", "--time-limit", "0.05", "--shard", "1/3"]).json();
     assert!(limited["limited"].as_array().unwrap().len() == limited["made"].as_u64().unwrap() as usize, "{limited}");
 }
