@@ -11,6 +11,7 @@ pub mod marks;
 pub mod pictures;
 pub mod query;
 pub mod scan;
+mod scanner;
 pub mod setup;
 pub mod shelf;
 pub mod walk;
@@ -26,14 +27,15 @@ use index::Index;
 use marks::Marks;
 use pictures::{Making, Pictures, Wake};
 use query::Facts;
-use scan::{Event, Progress, Scan, Scanned};
-use setup::{Frame, Setup, Stage};
+use scan::Progress;
+use scanner::{Message, Scanner};
+use setup::Setup;
 use shelf::Shelf;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex};
 
 /// Why a library cannot be used. Shown to the user as it is.
 #[derive(Debug)]
@@ -85,16 +87,6 @@ impl LibraryPlaces {
             marks: below(&places.state).map(|folder| folder.join("marks.ron")),
         }
     }
-}
-
-/// What the scanning thread tells.
-enum Message {
-    /// What was known before.
-    Known(Index, Shelf),
-    Setup(Arc<Setup>),
-    Event(Event),
-    Done(Result<Scanned, LibraryError>),
-    Problem(String),
 }
 
 /// An open library.
@@ -183,7 +175,6 @@ impl Library {
     /// Takes what the threads have found and made. True if there is something new.
     pub fn poll(&mut self) -> bool {
         let mut is_new = false;
-        let mut read: Vec<Arc<Entry>> = Vec::new();
         loop {
             let message = match self.messages.try_recv() {
                 Ok(message) => message,
@@ -202,10 +193,12 @@ impl Library {
                     self.revision += 1;
                 }
                 Message::Setup(setup) => self.setup = Some(setup),
-                Message::Event(Event::Progress(progress)) => self.progress = Some(progress),
-                Message::Event(Event::Read(entries)) => read.extend(entries),
+                Message::Progress(progress) => self.progress = Some(progress),
+                Message::Entries(entries) => {
+                    self.entries = entries;
+                    self.revision += 1;
+                }
                 Message::Done(Ok(scanned)) => {
-                    read.clear();
                     self.progress = None;
                     self.problems.extend(scanned.problems);
                     self.entries.clone_from(&scanned.index.entries);
@@ -220,23 +213,7 @@ impl Library {
                 Message::Problem(sentence) => self.problems.push(sentence),
             }
         }
-        if !read.is_empty() {
-            self.put_in(read);
-        }
         self.pictures.poll(&mut self.shelf, &mut self.problems) || is_new
-    }
-
-    /// Puts entries in their places, instead of older ones of the same path.
-    fn put_in(&mut self, read: Vec<Arc<Entry>>) {
-        let known = self.entries.len();
-        for entry in read {
-            match self.entries[..known].binary_search_by(|other| other.path.cmp(&entry.path)) {
-                Ok(at) => self.entries[at] = entry,
-                Err(_) => self.entries.push(entry),
-            }
-        }
-        self.entries.sort_by(|a, b| a.path.cmp(&b.path));
-        self.revision += 1;
     }
 
     /// The library's folder.
@@ -341,58 +318,5 @@ impl Library {
 impl Drop for Library {
     fn drop(&mut self) {
         self.cancel();
-    }
-}
-
-/// The scanning thread.
-struct Scanner {
-    root: PathBuf,
-    places: LibraryPlaces,
-    /// `None` if it is on disk.
-    old: Option<Index>,
-    needs_setup: bool,
-    is_cancelled: Arc<AtomicBool>,
-    sender: Sender<Message>,
-    writing: Arc<Mutex<()>>,
-    wake: Wake,
-}
-
-impl Scanner {
-    fn run(self) {
-        let shelf = self.places.pictures.as_deref().map_or_else(Shelf::default, Shelf::open);
-        let load = || self.places.index.as_deref().map_or_else(Index::default, |path| Index::load(path, &self.root));
-        let old = self.old.clone().unwrap_or_else(load);
-        self.tell(Message::Known(old.clone(), shelf.clone()));
-        if self.needs_setup
-            && let Some(stage) = Stage::standard()
-        {
-            self.tell(Message::Setup(Arc::new(Setup::new(stage, Frame::default(), Vec::new()))));
-        }
-        let scan = Scan {
-            root: &self.root,
-            old: &old,
-            threads: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-            has_picture: &|look| shelf.has_any(look),
-            is_cancelled: &|| self.is_cancelled.load(Ordering::Relaxed),
-            tell: &|event| self.tell(Message::Event(event)),
-        };
-        let scanned = scan.run();
-        if let (Ok(scanned), Some(path)) = (&scanned, &self.places.index)
-            && scanned.is_changed
-        {
-            let writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Err(error) = scanned.index.save(path) {
-                self.tell(Message::Problem(error.to_string()));
-            }
-            drop(writing);
-        }
-        self.tell(Message::Done(scanned));
-    }
-
-    fn tell(&self, message: Message) {
-        // Nobody listens after the library was closed or is scanned anew.
-        if self.sender.send(message).is_ok() {
-            (self.wake)();
-        }
     }
 }
