@@ -59,7 +59,12 @@ impl Entry {
         let path = root.join(&found.path);
         let entry = match files::read_text_file(&path, MAX_FILE_BYTES as u64) {
             Ok(text) => Self { stamp, ..Self::of_text(&found.path, &text) },
-            Err(error) => Self { stamp, ..Self::unusable(&found.path, reason(&error, &path)) },
+            Err(error) => {
+                // Permission may come, or a network, without a new stamp.
+                let is_final = !matches!(error, FilesError::Read { .. });
+                let stamp = Stamp { modified: stamp.modified.filter(|_| is_final), ..stamp };
+                Self { stamp, ..Self::unusable(&found.path, reason(&error, &path)) }
+            }
         };
         entry.completed()
     }

@@ -74,3 +74,36 @@ impl Marks {
         self.recent.iter_mut().filter(|path| *path == from).for_each(|path| *path = to.to_path_buf());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_last_and_follow_their_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("below/marks.ron");
+        let (mut marks, problem) = Marks::load(&file);
+        assert_eq!((&marks, problem), (&Marks::default(), None));
+        let [gold, copper] = ["metals/gold.asm.ron", "metals/copper.asm.ron"].map(Path::new);
+        for number in 0..2 * MAX_RECENT {
+            marks.opened(Path::new(&number.to_string()));
+        }
+        marks.opened(gold);
+        marks.opened(copper);
+        marks.opened(gold);
+        marks.set_favourite(gold, true);
+        marks.set_favourite(copper, true);
+        marks.set_favourite(copper, false);
+        assert_eq!((marks.recent().len(), &marks.recent()[..2]), (MAX_RECENT, &[gold.to_path_buf(), copper.to_path_buf()][..]));
+        marks.renamed(gold, Path::new("au.asm.ron"));
+        marks.save(&file).unwrap();
+        let (again, _) = Marks::load(&file);
+        assert!(again == marks && again.is_favourite(Path::new("au.asm.ron")) && !again.is_favourite(gold));
+        assert_eq!(again.recent()[0], Path::new("au.asm.ron"));
+
+        std::fs::write(&file, "(favourites: 3)").unwrap();
+        let (marks, problem) = Marks::load(&file);
+        assert!(marks == Marks::default() && problem.is_some_and(|problem| problem.contains("marks.broken-1.ron")));
+    }
+}

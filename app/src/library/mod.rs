@@ -11,6 +11,7 @@ pub mod marks;
 pub mod pictures;
 pub mod query;
 pub mod scan;
+mod scanner;
 pub mod setup;
 pub mod shelf;
 pub mod walk;
@@ -24,16 +25,17 @@ use crate::thumbnails::Thumbnail;
 use digest::Digest;
 use index::Index;
 use marks::Marks;
-use pictures::{Pictures, Wake};
+use pictures::{Making, Pictures, Wake};
 use query::Facts;
-use scan::{Event, Progress, Scan, Scanned};
-use setup::{Frame, Setup, Stage};
+use scan::Progress;
+use scanner::{Message, Scanner};
+use setup::Setup;
 use shelf::Shelf;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex};
 
 /// Why a library cannot be used. Shown to the user as it is.
 #[derive(Debug)]
@@ -87,16 +89,6 @@ impl LibraryPlaces {
     }
 }
 
-/// What the scanning thread tells.
-enum Message {
-    /// What was known before.
-    Known(Index, Shelf),
-    Setup(Arc<Setup>),
-    Event(Event),
-    Done(Result<Scanned, LibraryError>),
-    Problem(String),
-}
-
 /// An open library.
 pub struct Library {
     root: PathBuf,
@@ -113,6 +105,8 @@ pub struct Library {
     revision: u64,
     is_cancelled: Arc<AtomicBool>,
     messages: Receiver<Message>,
+    /// Held while the index is written: a scan that was given up may still do that.
+    writing: Arc<Mutex<()>>,
     wake: Wake,
 }
 
@@ -137,6 +131,7 @@ impl Library {
             revision: 0,
             is_cancelled: Arc::default(),
             messages: channel().1,
+            writing: Arc::default(),
             wake,
         };
         library.start(true);
@@ -167,6 +162,7 @@ impl Library {
             needs_setup: self.setup.is_none(),
             is_cancelled: self.is_cancelled.clone(),
             sender,
+            writing: self.writing.clone(),
             wake: self.wake.clone(),
         };
         if let Err(error) = std::thread::Builder::new().name("library".to_owned()).spawn(move || scanner.run()) {
@@ -179,8 +175,15 @@ impl Library {
     /// Takes what the threads have found and made. True if there is something new.
     pub fn poll(&mut self) -> bool {
         let mut is_new = false;
-        let mut read: Vec<Arc<Entry>> = Vec::new();
-        while let Ok(message) = self.messages.try_recv() {
+        loop {
+            let message = match self.messages.try_recv() {
+                Ok(message) => message,
+                Err(TryRecvError::Disconnected) if self.progress.take().is_some() => {
+                    let problem = format!("{}: could not be searched, because the program failed at it", self.root.display());
+                    Message::Problem(problem)
+                }
+                Err(_) => break,
+            };
             is_new = true;
             match message {
                 Message::Known(index, shelf) => {
@@ -190,10 +193,12 @@ impl Library {
                     self.revision += 1;
                 }
                 Message::Setup(setup) => self.setup = Some(setup),
-                Message::Event(Event::Progress(progress)) => self.progress = Some(progress),
-                Message::Event(Event::Read(entries)) => read.extend(entries),
+                Message::Progress(progress) => self.progress = Some(progress),
+                Message::Entries(entries) => {
+                    self.entries = entries;
+                    self.revision += 1;
+                }
                 Message::Done(Ok(scanned)) => {
-                    read.clear();
                     self.progress = None;
                     self.problems.extend(scanned.problems);
                     self.entries.clone_from(&scanned.index.entries);
@@ -208,23 +213,7 @@ impl Library {
                 Message::Problem(sentence) => self.problems.push(sentence),
             }
         }
-        if !read.is_empty() {
-            self.put_in(read);
-        }
         self.pictures.poll(&mut self.shelf, &mut self.problems) || is_new
-    }
-
-    /// Puts entries in their places, instead of older ones of the same path.
-    fn put_in(&mut self, read: Vec<Arc<Entry>>) {
-        let known = self.entries.len();
-        for entry in read {
-            match self.entries[..known].binary_search_by(|other| other.path.cmp(&entry.path)) {
-                Ok(at) => self.entries[at] = entry,
-                Err(_) => self.entries.push(entry),
-            }
-        }
-        self.entries.sort_by(|a, b| a.path.cmp(&b.path));
-        self.revision += 1;
     }
 
     /// The library's folder.
@@ -280,6 +269,20 @@ impl Library {
         self.pictures.want(&entries, &self.shelf, setup, makes);
     }
 
+    /// Makes the pictures of all these entries that are missing or stale, after those in sight, on `threads` threads. An earlier such order is
+    /// given up, with an empty one nothing else comes. [`Self::show`] has to be called on.
+    pub fn make_all(&mut self, numbers: &[usize], threads: usize) {
+        let Some(setup) = &self.setup else { return };
+        let entries: Vec<&Arc<Entry>> = numbers.iter().filter_map(|number| self.entries.get(*number)).collect();
+        self.pictures.make_all(&entries, &self.shelf, setup);
+        self.pictures.set_threads(threads);
+    }
+
+    /// How far the last [`Self::make_all`] is.
+    pub fn making(&self) -> &Making {
+        self.pictures.making()
+    }
+
     /// Takes other pictures from now on. Those of the old setup count as stale.
     pub fn set_setup(&mut self, setup: Arc<Setup>) {
         self.setup = Some(setup);
@@ -315,54 +318,5 @@ impl Library {
 impl Drop for Library {
     fn drop(&mut self) {
         self.cancel();
-    }
-}
-
-/// The scanning thread.
-struct Scanner {
-    root: PathBuf,
-    places: LibraryPlaces,
-    /// `None` if it is on disk.
-    old: Option<Index>,
-    needs_setup: bool,
-    is_cancelled: Arc<AtomicBool>,
-    sender: Sender<Message>,
-    wake: Wake,
-}
-
-impl Scanner {
-    fn run(self) {
-        let shelf = self.places.pictures.as_deref().map_or_else(Shelf::default, Shelf::open);
-        let load = || self.places.index.as_deref().map_or_else(Index::default, |path| Index::load(path, &self.root));
-        let old = self.old.clone().unwrap_or_else(load);
-        self.tell(Message::Known(old.clone(), shelf.clone()));
-        if self.needs_setup
-            && let Some(stage) = Stage::standard()
-        {
-            self.tell(Message::Setup(Arc::new(Setup::new(stage, Frame::default(), Vec::new()))));
-        }
-        let scan = Scan {
-            root: &self.root,
-            old: &old,
-            threads: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-            has_picture: &|look| shelf.has_any(look),
-            is_cancelled: &|| self.is_cancelled.load(Ordering::Relaxed),
-            tell: &|event| self.tell(Message::Event(event)),
-        };
-        let scanned = scan.run();
-        if let (Ok(scanned), Some(path)) = (&scanned, &self.places.index)
-            && scanned.is_changed
-            && let Err(error) = scanned.index.save(path)
-        {
-            self.tell(Message::Problem(error.to_string()));
-        }
-        self.tell(Message::Done(scanned));
-    }
-
-    fn tell(&self, message: Message) {
-        // Nobody listens after the library was closed or is scanned anew.
-        if self.sender.send(message).is_ok() {
-            (self.wake)();
-        }
     }
 }

@@ -5,14 +5,15 @@ use super::entry::Entry;
 use super::setup::{self, DEFAULT_SECONDS, Setup};
 use super::shelf::{Shelf, State};
 use crate::thumbnails::Thumbnail;
-use burnish_renderer::path::Prepared;
+use burnish_renderer::path::{Prepared, StopReason};
 use image::ImageReader;
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 /// Bytes of pictures in memory; those that were out of sight longest go first.
 pub const MAX_BYTES: usize = 128 << 20;
@@ -72,10 +73,35 @@ impl<T> Queue<T> {
 enum Done {
     /// A picture from disk; `None` if it cannot be used.
     Loaded(Key, Option<Thumbnail>),
-    /// A picture that was made; it lies on disk unless there is a sentence.
-    Made(Key, Thumbnail, Option<String>),
+    /// A picture that was made.
+    Made(Box<New>),
     /// Why there is no picture, with the entry's look.
     Failed(Digest, String),
+}
+
+/// A picture that was made.
+struct New {
+    key: Key,
+    /// Whose picture it is.
+    path: PathBuf,
+    thumbnail: Thumbnail,
+    /// Whether the time limit ended it.
+    is_limited: bool,
+    /// Why it is not on disk.
+    problem: Option<String>,
+}
+
+/// Pictures that were ordered at once.
+#[derive(Clone, Debug, Default)]
+pub struct Making {
+    /// Those that are made, or cannot be.
+    pub done: usize,
+    /// All of them; 0 before any were ordered.
+    pub total: usize,
+    /// Seconds until all are done, if the others take as long as those that are; `None` before the first is.
+    pub seconds_left: Option<f64>,
+    /// Materials whose pictures the time limit ended.
+    pub limited: Vec<PathBuf>,
 }
 
 /// A picture to make.
@@ -89,13 +115,18 @@ pub struct Pictures {
     bytes: usize,
     /// What was in sight and what was ordered last, so that the same orders are given once.
     shown: Vec<Key>,
-    ordered: Vec<Key>,
+    ordered: Option<Vec<Key>>,
+    /// What is made when nothing in sight is left to make.
+    batch: Vec<Order>,
+    making: Making,
+    begun: Instant,
     failed: HashSet<Key>,
     hopeless: HashSet<Digest>,
     loads: Arc<Queue<Key>>,
     makes: Arc<Queue<Order>>,
     /// Looks that may be made at present.
     may_make: Arc<Mutex<HashSet<Digest>>>,
+    threads: Arc<AtomicUsize>,
     results: Receiver<Done>,
 }
 
@@ -107,8 +138,18 @@ impl Pictures {
         let shelf = folder.map(Shelf::empty);
         let loader = Loader { shelf: shelf.clone(), queue: loads.clone(), sender: sender.clone(), wake: wake.clone() };
         let (may_make, made) = (Arc::<Mutex<HashSet<Digest>>>::default(), HashSet::new());
-        let maker =
-            Maker { root: root.to_path_buf(), shelf, queue: makes.clone(), may_make: may_make.clone(), made, sender, wake };
+        // One thread unless somebody says otherwise: what is edited comes first.
+        let threads = Arc::new(AtomicUsize::new(1));
+        let maker = Maker {
+            root: root.to_path_buf(),
+            shelf,
+            queue: makes.clone(),
+            may_make: may_make.clone(),
+            threads: threads.clone(),
+            made,
+            sender,
+            wake,
+        };
         // Without a thread nothing comes, which shows as pictures that are missing.
         _ = std::thread::Builder::new().name("library pictures".to_owned()).spawn(move || loader.run());
         _ = std::thread::Builder::new().name("library renderer".to_owned()).spawn(move || maker.run());
@@ -117,12 +158,16 @@ impl Pictures {
             order: VecDeque::new(),
             bytes: 0,
             shown: Vec::new(),
-            ordered: Vec::new(),
+            ordered: None,
+            batch: Vec::new(),
+            making: Making::default(),
+            begun: Instant::now(),
             failed: HashSet::new(),
             hopeless: HashSet::new(),
             loads,
             makes,
             may_make,
+            threads,
             results,
         }
     }
@@ -144,23 +189,59 @@ impl Pictures {
         let needs = |entry: &&&Arc<Entry>| {
             makes && entry.problem.is_none() && !self.hopeless.contains(&entry.look) && shelf.state(entry, digest) != State::Fresh
         };
-        let orders: VecDeque<Order> = entries.iter().filter(needs).map(|entry| ((*entry).clone(), setup.clone())).collect();
+        let in_sight: Vec<&&Arc<Entry>> = entries.iter().filter(needs).collect();
         if shown != self.shown {
             let is_new = |key: &&Key| !self.made.contains_key(key) && !self.failed.contains(key);
             self.loads.set(shown.iter().filter(is_new).copied().collect());
             self.shown.clone_from(&shown);
         }
-        let keys: Vec<Key> = orders.iter().map(|(entry, _)| (entry.look, digest)).collect();
-        if keys != self.ordered {
-            *self.may_make.lock().unwrap_or_else(PoisonError::into_inner) = keys.iter().map(|(look, _)| *look).collect();
+        let keys: Vec<Key> = in_sight.iter().map(|entry| (entry.look, digest)).collect();
+        if self.ordered.as_ref() != Some(&keys) {
+            let mut orders: VecDeque<Order> = in_sight.iter().map(|entry| ((**entry).clone(), setup.clone())).collect();
+            orders.extend(self.batch.iter().cloned());
+            let looks = orders.iter().map(|(entry, _)| entry.look).collect();
+            *self.may_make.lock().unwrap_or_else(PoisonError::into_inner) = looks;
             self.makes.set(orders);
-            self.ordered = keys;
+            self.ordered = Some(keys);
         }
         // What is in sight goes last.
         let in_sight: HashSet<Key> = shown.into_iter().filter(|key| self.made.contains_key(key)).collect();
         if self.bytes > MAX_BYTES / 2 {
             self.order.retain(|key| !in_sight.contains(key));
             self.order.extend(in_sight);
+        }
+    }
+
+    /// Orders the pictures of all these entries that are not fresh, after those in sight, instead of the last such order.
+    pub fn make_all(&mut self, entries: &[&Arc<Entry>], shelf: &Shelf, setup: &Arc<Setup>) {
+        let mut looks = HashSet::new();
+        let needs = |entry: &&&Arc<Entry>| entry.problem.is_none() && shelf.state(entry, setup.digest()) != State::Fresh;
+        let is_first = |entry: &&&Arc<Entry>| looks.insert(entry.look);
+        self.batch = entries.iter().filter(needs).filter(is_first).map(|entry| ((*entry).clone(), setup.clone())).collect();
+        self.making = Making { total: self.batch.len(), ..Making::default() };
+        self.begun = Instant::now();
+        self.hopeless.clear();
+        self.ordered = None;
+    }
+
+    /// How far the last [`Self::make_all`] is.
+    pub fn making(&self) -> &Making {
+        &self.making
+    }
+
+    /// Renders on this many threads from the next picture on; 0 counts as 1.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.threads.store(threads, Ordering::Relaxed);
+    }
+
+    /// Takes note that there is a picture of a look, or can be none.
+    fn count(&mut self, look: Digest) {
+        let before = self.batch.len();
+        self.batch.retain(|(entry, _)| entry.look != look);
+        if self.batch.len() < before {
+            self.making.done += 1;
+            let mean = self.begun.elapsed().as_secs_f64() / self.making.done as f64;
+            self.making.seconds_left = Some(mean * self.batch.len() as f64);
         }
     }
 
@@ -172,15 +253,21 @@ impl Pictures {
             match done {
                 Done::Loaded(key, Some(thumbnail)) => self.keep(key, thumbnail),
                 Done::Loaded(key, None) => _ = self.failed.insert(key),
-                Done::Made(key, thumbnail, problem) => {
+                Done::Made(new) => {
+                    let New { key, path, thumbnail, is_limited, problem } = *new;
                     shelf.note(key.0, key.1);
                     self.failed.remove(&key);
                     self.keep(key, thumbnail);
+                    if is_limited {
+                        self.making.limited.push(path);
+                    }
                     // A disk that is full would say the same for each picture.
                     problems.extend(problem.filter(|problem| !problems.contains(problem)));
+                    self.count(key.0);
                 }
                 Done::Failed(look, sentence) => {
                     self.hopeless.insert(look);
+                    self.count(look);
                     problems.push(sentence);
                 }
             }
@@ -236,6 +323,7 @@ struct Maker {
     shelf: Option<Shelf>,
     queue: Arc<Queue<Order>>,
     may_make: Arc<Mutex<HashSet<Digest>>>,
+    threads: Arc<AtomicUsize>,
     /// What was made: it may be ordered again before that is known there.
     made: HashSet<Key>,
     sender: Sender<Done>,
@@ -248,13 +336,9 @@ impl Maker {
         let mut last: Option<Prepared> = None;
         while let Some((entry, setup)) = self.queue.next() {
             let place = self.root.join(&entry.path);
-            let made = catch_unwind(AssertUnwindSafe(|| self.make(&entry, &setup, &mut last)));
+            let made = setup::guarded(|| self.make(&entry, &setup, &mut last));
             let failed = |problem: String| Some(Done::Failed(entry.look, format!("{}: {problem}", place.display())));
-            let done = match made {
-                Ok(Ok(done)) => done,
-                Ok(Err(problem)) => failed(problem),
-                Err(_) => failed("the picture could not be made, because the renderer failed".to_owned()),
-            };
+            let done = made.unwrap_or_else(failed);
             if let Some(done) = done {
                 if self.sender.send(done).is_err() {
                     return;
@@ -273,14 +357,16 @@ impl Maker {
         }
         let (material, textures, _) = setup::read(&self.root, entry)?;
         let scene = setup.scene_of(material, textures);
-        // One thread: what is edited comes first.
-        let Some(made) = setup.render(&scene, last, DEFAULT_SECONDS, 1, &mut |_| is_wanted())? else { return Ok(None) };
+        let threads = self.threads.load(Ordering::Relaxed);
+        let Some(made) = setup.render(&scene, last, DEFAULT_SECONDS, threads, &mut |_| is_wanted())? else { return Ok(None) };
         self.made.insert(key);
         let kept = self.shelf.as_mut().map(|shelf| shelf.put(key.0, key.1, &made.png));
         let problem = kept.and_then(|kept| kept.err().map(|error| error.to_string()));
         let frame = setup.frame();
         let rgba = made.rgb.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]).collect();
-        Ok(Some(Done::Made(key, Thumbnail { width: frame.width as u32, height: frame.height as u32, rgba }, problem)))
+        let thumbnail = Thumbnail { width: frame.width as u32, height: frame.height as u32, rgba };
+        let is_limited = made.stop_reason == StopReason::Time;
+        Ok(Some(Done::Made(Box::new(New { key, path: entry.path.clone(), thumbnail, is_limited, problem }))))
     }
 }
 

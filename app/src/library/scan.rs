@@ -149,7 +149,7 @@ impl Scan<'_> {
             while let Some(place) = next().and_then(|at| places.get(at)) {
                 let old = self.old.images.get(place);
                 let image = match (image_stamp(place), old) {
-                    (Some(stamp), Some(old)) if stamp.is_like(old.stamp) => *old,
+                    (Some(stamp), Some(old)) if stamp.is_like(old.stamp) && old.digest.is_some() => *old,
                     (Some(stamp), _) => {
                         let done = before + read.fetch_add(1, Ordering::Relaxed);
                         (self.tell)(Event::Progress(Progress { done, total: before + places.len() }));

@@ -9,6 +9,7 @@ use burnish_material::{DEFAULT_UNIT_MM, MAX_FILE_BYTES, Material, MaterialFile, 
 use burnish_renderer::path::{Prepared, Progress, Settings, StopReason, StopRules, render_prepared};
 use burnish_renderer::scene::{EnvironmentLight, ModelMeshes, Object, Scene, TextureSet};
 use burnish_renderer::tonemap::Display;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -169,6 +170,11 @@ impl Setup {
             stop_reason: rendering.stop_reason,
         }))
     }
+}
+
+/// The result of work on one material; an error if it panics, so that the others can go on.
+pub fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err("no picture, because the program failed at it".to_owned()))
 }
 
 /// Reads the material of an entry with its images. An error, without the path, if it cannot be used or is not what the entry is about any more.

@@ -118,12 +118,12 @@ impl Shelf {
         self.pictures.entry(look).or_default().insert(setup);
     }
 
-    /// An error if a file of some kilobytes cannot be written now. Minutes of rendering are not to end in a full disk.
-    pub fn probe(&self) -> Result<(), FilesError> {
+    /// An error if a file of this many bytes cannot be written now. Minutes of rendering are not to end in a full disk.
+    pub fn probe(&self, bytes: usize) -> Result<(), FilesError> {
         let failed = |source| FilesError::Write { path: self.folder.clone(), source };
         fs::create_dir_all(&self.folder).map_err(failed)?;
         let path = self.folder.join(format!(".probe-{}", std::process::id()));
-        let written = fs::write(&path, vec![0; 1 << 18]).map_err(failed);
+        let written = fs::write(&path, vec![0; bytes]).map_err(failed);
         let _ = fs::remove_file(&path);
         written
     }
@@ -226,7 +226,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("file"), "").unwrap();
         let mut shelf = Shelf::open(&folder.path().join("file"));
-        for error in [shelf.probe().unwrap_err(), shelf.put(Digest::default(), Digest::default(), b"x").unwrap_err()] {
+        for error in [shelf.probe(1).unwrap_err(), shelf.put(Digest::default(), Digest::default(), b"x").unwrap_err()] {
             assert!(error.to_string().contains("file: cannot be written"), "{error}");
         }
     }

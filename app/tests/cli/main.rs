@@ -11,6 +11,7 @@ use tempfile::TempDir;
 mod library;
 mod measure;
 mod render;
+mod thumbnails;
 mod usage;
 
 /// What one run left.
