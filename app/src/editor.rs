@@ -58,6 +58,15 @@ impl Document {
         next
     }
 
+    /// The same content as a document that no file holds yet; its maps lead to the same images.
+    #[must_use]
+    pub fn without_path(mut self) -> Self {
+        self.move_to_folder(None);
+        let Origin { file, saved, .. } = &*self.origin;
+        self.origin = Arc::new(Origin { path: None, file: file.clone(), saved: saved.clone() });
+        self
+    }
+
     /// A document that was being edited when its program ended: what it held then, over what its file held.
     pub fn recovered(original: MaterialFile, path: Option<PathBuf>, material: Material, textures: Arc<TextureSet>) -> Self {
         Self { material, ..Self::with_origin(original, path, textures) }

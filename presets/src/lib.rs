@@ -5,6 +5,7 @@
 //! measured, and what was set by eye says so in the file. [`measured`] compares values with those of real materials.
 
 pub mod measured;
+pub mod pictures;
 
 use burnish_material::{FileError, MaterialFile, Warning};
 

@@ -92,7 +92,7 @@ fn files_are_renamed_copied_and_made_without_losing_any() {
 
     let mut new = material(0);
     new.name = "gold".to_owned();
-    let planned = edit::create(folder.path(), &new);
+    let planned = edit::create(folder.path(), &new.name, MaterialFile::new(&new).text().to_owned());
     assert!(planned.edit.carry_out().1.is_empty());
     assert!(MaterialFile::parse(&fs::read_to_string(at("gold 2")).unwrap()).unwrap().0.material() == &new);
 }

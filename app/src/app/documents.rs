@@ -260,7 +260,7 @@ impl App {
             (Job::Apply(id, path), Ok(Loaded::Material(opened))) => {
                 let name = opened.file.material().name.clone();
                 self.edit_document(id, Some(&format!("Apply {name}")), |document| {
-                    *document = document.replaced_by(Document::opened(*opened));
+                    *document = document.replaced_by(Document::opened(*opened).without_path());
                 });
                 self.messages.info(format!("Applied {}; undo brings back what was here before.", path.display()));
             }
