@@ -295,3 +295,19 @@ pub fn texture_name(path: &Path, folder: Option<&Path>) -> String {
     let text = relative.to_string_lossy();
     if std::path::MAIN_SEPARATOR == '/' { text.into_owned() } else { text.replace(std::path::MAIN_SEPARATOR, "/") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_files_have_a_path() {
+        let folder = Some(Path::new("library"));
+        assert_eq!(texture_path("oak.png", folder), Some(PathBuf::from("library/oak.png")));
+        assert_eq!(texture_path("builtin:wood-oak/height", folder), None);
+        assert_eq!(texture_path("builtin:no such texture", folder), None);
+        assert!(texture_problem("builtin:wood-oak/height", folder).is_none());
+        let problem = texture_problem("builtin:wood-oka/height", folder).unwrap_or_default();
+        assert!(problem.starts_with("builtin:wood-oka/height: expected") && problem.ends_with("did you mean `wood-oak`?"), "{problem}");
+    }
+}

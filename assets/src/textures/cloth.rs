@@ -29,7 +29,7 @@ struct Weave {
 }
 
 /// A place on cloth.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Thread {
     /// In thread radii.
     height: f32,
@@ -52,20 +52,18 @@ impl Weave {
         let side = |column, row| if self.is_warp_over(column, row) == is_warp { 1.0 } else { -1.0 };
         // From the middle of the last crossing to the middle of the next.
         let step = if part < 0.5 { -1 } else { 1 };
-        let (here, next) = if is_warp {
-            (side(column, row), side(column, row + step))
-        } else {
-            (side(column, row), side(column + step, row))
-        };
+        let (here, next) =
+            if is_warp { (side(column, row), side(column, row + step)) } else { (side(column, row), side(column + step, row)) };
         let t = (part - 0.5).abs();
         here + (next - here) * (0.5 - 0.5 * (PI * t).cos())
     }
 
     fn at(&self, p: Vec2) -> Thread {
-        let bent = p + self.slub * 0.16 / self.threads as f32 * Vec2::new(
-            fbm(p, UVec2::new(self.threads / 2, 6), 2, self.seed),
-            fbm(p, UVec2::new(6, self.threads / 2), 2, self.seed + 3),
-        );
+        let bent = p + self.slub * 0.16 / self.threads as f32
+            * Vec2::new(
+                fbm(p, UVec2::new(self.threads / 2, 6), 2, self.seed),
+                fbm(p, UVec2::new(6, self.threads / 2), 2, self.seed + 3),
+            );
         let scaled = bent * self.threads as f32;
         let (column, row) = (scaled.x.floor() as i32, scaled.y.floor() as i32);
         let f = scaled - scaled.floor();
@@ -164,9 +162,9 @@ pub(super) fn denim(size: usize) -> Surface {
             let patch = 0.5 + 0.7 * fbm(p, UVec2::splat(3), 3, 134);
             let dyed = if thread.is_warp {
                 let worn = smoothstep(0.7, 1.25, thread.exposed * (0.75 + 0.5 * patch) + 0.25 * tone);
-                indigo.lerp(faded, (0.35 + 0.5 * tone).clamp(0.0, 1.0)).lerp(core, 0.5 * worn)
+                indigo.lerp(faded, (0.22 + 0.4 * tone).clamp(0.0, 1.0)).lerp(core, 0.28 * worn)
             } else {
-                core.lerp(faded, 0.55) * 0.8
+                core.lerp(faded, 0.75) * 0.6
             };
             dyed * depth(h) * (1.0 + 0.2 * tone)
         })
@@ -177,7 +175,7 @@ pub(super) fn denim(size: usize) -> Surface {
 pub(super) fn satin(size: usize) -> Surface {
     let weave = Weave { threads: 40, repeat: 5, step: 2, over: 4, crimp: 0.22, fill: 1.05, twist: 0.0, slub: 0.25, seed: 141 };
     let threads = weave.grid(size);
-    let mut surface = dyed(&threads, 0.006, 0.02, 0.12, srgb(0xB8AFA2), 0.35, 142);
+    let mut surface = dyed(&threads, 0.0025, 0.02, 0.1, srgb(0xB8AFA2), 0.3, 142);
     surface.anisotropy_rotation = Some(rotations(&threads));
     surface
 }
@@ -198,7 +196,7 @@ pub(super) fn carbon(size: usize) -> Surface {
             let Some((thread, filament)) = each.next() else { return Vec3::ZERO };
             srgb(0x2A2B2D) * (0.35 + 0.65 * smoothstep(0.0, 0.35, 1.0 - thread.across.abs())) * (1.0 + 0.3 * filament)
         })
-        .rough(|_, _| 0.35);
+        .rough(|_, h| 0.42 - 0.1 * h);
     surface.anisotropy_rotation = Some(rotations(&threads));
     surface
 }
@@ -230,7 +228,11 @@ pub(super) fn knit(size: usize) -> Surface {
             let height = round * (0.55 + 0.45 * (PI * t).sin()) + 0.45 * (0.5 - t);
             if across.abs() < 1.0 && height > best.x {
                 let turns = 2.2 * t + across * 0.55 + unit(bits);
-                best = Vec3::new(height + 0.09 * (TAU * turns).sin() * round, across, unit(hash(bits, row as i32 as u32 % ROWS as u32, 162)));
+                best = Vec3::new(
+                    height + 0.09 * (TAU * turns).sin() * round,
+                    across,
+                    unit(hash(bits, row as i32 as u32 % ROWS as u32, 162)),
+                );
             }
         }
         best
@@ -243,5 +245,5 @@ pub(super) fn knit(size: usize) -> Surface {
             let tone = each.next().map_or(0.0, |s| s.z - 0.5);
             srgb(0xB9AFA0) * (0.3 + 0.7 * smoothstep(0.2, 0.7, h)) * (1.0 + 0.12 * tone + 0.12 * fbm(p, UVec2::splat(60), 2, 165))
         })
-        .rough(|_, _| 0.85)
+        .rough(|_, h| 0.92 - 0.12 * h)
 }

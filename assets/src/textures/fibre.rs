@@ -15,7 +15,7 @@ pub(super) fn felt(size: usize) -> Surface {
             let strand = strands.next().copied().unwrap_or(0.5);
             srgb(0x8A8A86) * (0.5 + 0.45 * h + 0.35 * (strand - 0.4) + 0.12 * fbm(p, UVec2::splat(5), 3, 173))
         })
-        .rough(|_, _| 0.9)
+        .rough(|_, h| 0.98 - 0.12 * h)
 }
 
 pub(super) fn paper(size: usize) -> Surface {

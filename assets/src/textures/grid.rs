@@ -12,15 +12,30 @@ pub(super) struct Grid<T> {
     pub(super) values: Vec<T>,
 }
 
+/// The middle of a texel of a grid.
+fn middle(size: usize, index: usize) -> Vec2 {
+    (Vec2::new((index % size) as f32, (index / size) as f32) + 0.5) / size as f32
+}
+
 impl<T: Copy> Grid<T> {
-    /// Asks for the value at the middle of every texel; coordinates are 0 to 1, v grows downwards.
-    pub(super) fn from_fn(size: usize, mut value: impl FnMut(Vec2) -> T) -> Self {
-        let mut values = Vec::with_capacity(size * size);
-        for y in 0..size {
-            for x in 0..size {
-                values.push(value((Vec2::new(x as f32, y as f32) + 0.5) / size as f32));
+    /// Asks for the value at the middle of every texel, on all cores; coordinates are 0 to 1, v grows downwards.
+    pub(super) fn from_fn(size: usize, value: impl Fn(Vec2) -> T + Sync) -> Self
+    where
+        T: Default + Send,
+    {
+        let mut values = vec![T::default(); size * size];
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let rows = size.div_ceil(threads);
+        std::thread::scope(|scope| {
+            for (band, texels) in values.chunks_mut(rows * size).enumerate() {
+                let value = &value;
+                scope.spawn(move || {
+                    for (i, texel) in texels.iter_mut().enumerate() {
+                        *texel = value(middle(size, band * rows * size + i));
+                    }
+                });
             }
-        }
+        });
         Self { size, values }
     }
 
@@ -31,9 +46,8 @@ impl<T: Copy> Grid<T> {
 
     /// Another grid from each value and its place.
     pub(super) fn map<U: Copy>(&self, mut f: impl FnMut(Vec2, T) -> U) -> Grid<U> {
-        let mut values = self.values.iter();
-        // As many places as values.
-        Grid::from_fn(self.size, |p| f(p, values.next().copied().unwrap_or(self.values[0])))
+        let values = self.values.iter().enumerate().map(|(i, value)| f(middle(self.size, i), *value)).collect();
+        Grid { size: self.size, values }
     }
 
     /// The texel `x` to the right and `y` down, wrapped around.

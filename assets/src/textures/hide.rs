@@ -15,7 +15,8 @@ pub(super) fn leather(size: usize) -> Surface {
         let (pebble, wrinkle) = (pebbles.at(bent), fine.at(bent));
         let dome = smoothstep(0.0, 0.3, pebble.border);
         let crease = 0.4 + 0.6 * smoothstep(-0.3, 0.3, fbm(p, UVec2::splat(6), 2, 605));
-        let height = 1.0 - crease * (1.0 - dome).powi(2) + 0.1 * smoothstep(0.0, 0.3, wrinkle.border)
+        let height = 1.0 - crease * (1.0 - dome).powi(2)
+            + 0.1 * smoothstep(0.0, 0.3, wrinkle.border)
             + 0.1 * (unit(pebble.id) - 0.5)
             + 0.05 * fbm(p, UVec2::splat(60), 2, 606);
         (height, dome)
@@ -48,7 +49,7 @@ pub(super) fn skin(size: usize) -> Surface {
     });
     let height = parts.map(|p, (lines, hole)| 0.08 * fbm(p, UVec2::splat(9), 3, 616) - 0.5 * lines - 0.55 * hole);
     let mut each = parts.values.iter();
-    let mut surface = Surface::of_height(height, 0.009).rough(|p, h| 0.5 - 0.12 * h + 0.07 * fbm(p, UVec2::splat(5), 3, 617));
+    let mut surface = Surface::of_height(height, 0.006).rough(|p, h| 0.5 - 0.12 * h + 0.07 * fbm(p, UVec2::splat(5), 3, 617));
     surface = surface.colored(|p, _| {
         let (lines, hole) = each.next().copied().unwrap_or_default();
         let blood = 0.5 + 0.75 * fbm(p, UVec2::splat(5), 5, 618);
@@ -61,7 +62,7 @@ pub(super) fn skin(size: usize) -> Surface {
 
 /// The rind of citrus fruit: glands that bulge or are sunk.
 pub(super) fn peel(size: usize) -> Surface {
-    let glands = Cells::new(UVec2::splat(22), 0.9, 621);
+    let glands = Cells::new(UVec2::splat(28), 0.9, 621);
     let parts = Grid::from_fn(size, |p| {
         let gland = glands.at(p + 0.01 * warp(p, UVec2::splat(5), 2, 622));
         let pit = (-(gland.nearest * (2.6 + 1.4 * unit(gland.id))).powi(2) * 2.0).exp();
@@ -69,10 +70,11 @@ pub(super) fn peel(size: usize) -> Surface {
     });
     let height = parts.map(|p, (pit, deep)| 0.3 * fbm(p, UVec2::splat(8), 3, 623) - pit * (0.35 + 0.65 * deep));
     let mut each = parts.values.iter();
-    Surface::of_height(height, 0.022)
+    Surface::of_height(height, 0.01)
         .colored(|p, _| {
             let pit = each.next().map_or(0.0, |part| part.0);
-            srgb(0xE8871E).lerp(srgb(0xF2A63A), (0.4 + 0.7 * fbm(p, UVec2::splat(4), 4, 624)).clamp(0.0, 1.0)) * (1.0 - 0.12 * pit)
+            srgb(0xE8871E).lerp(srgb(0xF2A63A), (0.4 + 0.7 * fbm(p, UVec2::splat(4), 4, 624)).clamp(0.0, 1.0))
+                * (1.0 - 0.12 * pit)
         })
         .rough(|_, h| 0.42 - 0.08 * h)
 }

@@ -44,8 +44,8 @@ fn marble(size: usize, seed: u32, color: impl Fn(Vec3) -> Vec3) -> Surface {
 /// White with grey clouds and veins.
 pub(super) fn white(size: usize) -> Surface {
     marble(size, 301, |s| {
-        let ground = srgb(0xF1EFEB).lerp(srgb(0xD5D6D6), 0.8 * smoothstep(0.35, 0.95, s.z));
-        ground.lerp(srgb(0x83878C), 0.85 * s.x).lerp(srgb(0xA8A8A6), 0.45 * s.y)
+        let ground = srgb(0xF1EFEB).lerp(srgb(0xB9BBBD), 0.9 * smoothstep(0.4, 1.0, s.z));
+        ground.lerp(srgb(0x5E6369), 0.9 * s.x).lerp(srgb(0x8F8D88), 0.5 * s.y)
     })
 }
 

@@ -20,11 +20,11 @@ fn holes(cells: &Cells, p: Vec2, present: f32, radius: f32) -> f32 {
 
 /// Smooth concrete as the formwork leaves it: stains, fine sand, holes of air.
 pub(super) fn concrete(size: usize) -> Surface {
-    let air = Cells::new(UVec2::splat(17), 0.9, 501);
+    let air = Cells::new(UVec2::splat(22), 0.9, 501);
     let parts = Grid::from_fn(size, |p| {
         let stain = fbm(p + 0.06 * warp(p, UVec2::splat(3), 3, 502), UVec2::splat(3), 6, 503);
         let sand = fbm(p, UVec2::splat(100), 2, 504);
-        Vec3::new(holes(&air, p + 0.004 * warp(p, UVec2::splat(40), 1, 505), 0.4, 0.3), stain, sand)
+        Vec3::new(holes(&air, p + 0.004 * warp(p, UVec2::splat(40), 1, 505), 0.32, 0.26), stain, sand)
     });
     let height = parts.map(|p, s| -1.0 * s.x + 0.07 * s.z + 0.12 * fbm(p, UVec2::splat(9), 4, 506));
     let mut each = parts.values.iter();
@@ -128,7 +128,8 @@ pub(super) fn terracotta(size: usize) -> Surface {
     let height = parts.map(|p, (pore, turned, _, _)| 0.25 * turned - 0.6 * pore + 0.2 * fbm(p, UVec2::splat(50), 3, 546));
     let mut surface = Surface::of_height(height, 0.012).rough(|_, h| 0.88 - 0.1 * h);
     surface.base_color = Some(parts.map(|p, (pore, turned, cloud, speck)| {
-        let ground = ramp(&[(0.0, srgb(0xA9583A)), (0.5, srgb(0xBE6C49)), (1.0, srgb(0xD08A66))], 0.5 + 0.6 * cloud + 0.2 * turned);
+        let ground =
+            ramp(&[(0.0, srgb(0xA9583A)), (0.5, srgb(0xBE6C49)), (1.0, srgb(0xD08A66))], 0.5 + 0.6 * cloud + 0.2 * turned);
         let grain = 1.0 + 0.1 * fbm(p, UVec2::splat(90), 2, 547);
         ground * grain * (1.0 - 0.35 * pore) * (1.0 + if speck < 0.0 { 0.45 } else { 0.35 } * speck)
     }));
@@ -163,7 +164,7 @@ pub(super) fn brick(size: usize) -> Surface {
         clay * (0.85 + 0.15 * unit(bits)) + 0.14 * grain
     });
     let mut grains = grain.values.iter();
-    let mut surface = Surface::of_height(height, 0.02).rough(|_, _| 0.88);
+    let mut surface = Surface::of_height(height, 0.02).rough(|_, h| 0.95 - 0.12 * h);
     surface.base_color = Some(parts.map(|p, (clay, bits)| {
         let grain = grains.next().copied().unwrap_or(0.0);
         let fired = unit(bits.rotate_left(5)) + 0.35 * fbm(p, UVec2::splat(8), 3, 554) + 0.25 * grain;

@@ -11,7 +11,9 @@ use super::strokes::Stroke;
 /// Fine scratches along u, most of them long, on a faint grain.
 pub(super) fn brushed(size: usize) -> Surface {
     let mut scratches = Grid::from_fn(size, |p| {
-        0.5 * gradient(p, UVec2::new(2, 240), 201) + 0.35 * gradient(p, UVec2::new(5, 160), 202) + 0.2 * gradient(p, UVec2::new(3, 60), 203)
+        0.5 * gradient(p, UVec2::new(2, 240), 201)
+            + 0.35 * gradient(p, UVec2::new(5, 160), 202)
+            + 0.2 * gradient(p, UVec2::new(3, 60), 203)
     });
     let mut random = Random::new(204);
     for _ in 0..900 {
@@ -26,7 +28,7 @@ pub(super) fn brushed(size: usize) -> Surface {
         stroke.draw(&mut scratches, |h, cover, _| *h += (depth - *h) * 0.6 * cover);
     }
     let mut each = scratches.clone().values.into_iter();
-    Surface::of_height(scratches, 0.0012).rough(|_, _| 0.3 + 0.12 * each.next().unwrap_or(0.0))
+    Surface::of_height(scratches, 0.0022).rough(|_, _| 0.3 + 0.16 * each.next().unwrap_or(0.0))
 }
 
 /// Short scratches in all directions, as from a grinder, each an arc.
@@ -45,7 +47,8 @@ pub(super) fn ground(size: usize) -> Surface {
         stroke.draw(&mut height, |h, cover, _| *h += (depth - *h) * 0.7 * cover);
     }
     let mut each = height.clone().values.into_iter();
-    Surface::of_height(height, 0.003).rough(|p, _| 0.35 - 0.25 * each.next().unwrap_or(0.0) + 0.06 * fbm(p, UVec2::splat(5), 3, 212))
+    Surface::of_height(height, 0.003)
+        .rough(|p, _| 0.35 - 0.25 * each.next().unwrap_or(0.0) + 0.06 * fbm(p, UVec2::splat(5), 3, 212))
 }
 
 /// What a mould of sand leaves: lumps, fine grain and some pits.

@@ -128,5 +128,5 @@ pub const TEXTURES: &[TextureDef] = &[
     row("brick", FULL, masonry::brick, "Wall in running bond: 3 bricks and 8 courses a tile, along u."),
     row("leather", FULL, hide::leather, "Pebbled leather with creases, 24 pebbles across a tile."),
     row("skin", FULL, hide::skin, "Human skin: a net of furrows, pores, and uneven blood."),
-    row("peel", FULL, hide::peel, "The rind of citrus fruit, 22 glands across a tile."),
+    row("peel", FULL, hide::peel, "The rind of citrus fruit, 28 glands across a tile."),
 ];

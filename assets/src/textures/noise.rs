@@ -113,7 +113,7 @@ pub(super) struct Cells {
 }
 
 /// What is known of a place among the points of [`Cells`]. Lengths are in lattice cells.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Cell {
     /// Random bits of the nearest point.
     pub(super) id: u32,
@@ -142,7 +142,13 @@ impl Cells {
         let f = Vec2::new(fx, fy);
         let wrap = |first: u32, d: i32, n: u32| {
             let k = first as i32 + d;
-            (if k < 0 { k + n as i32 } else if k >= n as i32 { k - n as i32 } else { k }) as u32
+            (if k < 0 {
+                k + n as i32
+            } else if k >= n as i32 {
+                k - n as i32
+            } else {
+                k
+            }) as u32
         };
         // The neighbours, without the corners of the square: none of them can be near.
         let mut offsets = [Vec2::ZERO; 21];

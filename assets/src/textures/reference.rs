@@ -130,7 +130,9 @@ impl BuiltInTexture {
         let scalar = |grid: &Option<Grid<f32>>| grid.as_ref().map(|grid| grid.image());
         let made = match self.map {
             TextureMap::BaseColor => surface.base_color.as_ref().map(|grid| self.adjusted(grid.clone()).image()),
-            TextureMap::Roughness => surface.roughness.as_ref().map(|grid| self.adjusted(grid.map(|_, x| Vec3::splat(x))).image()),
+            TextureMap::Roughness => {
+                surface.roughness.as_ref().map(|grid| self.adjusted(grid.map(|_, x| Vec3::splat(x))).image())
+            }
             TextureMap::Metallic => scalar(&surface.metallic),
             TextureMap::AnisotropyRotation => scalar(&surface.anisotropy_rotation),
             TextureMap::Height => scalar(&surface.height),
@@ -168,21 +170,21 @@ impl BuiltInTexture {
 /// Makes maps. What the maps of a texture have in common is made once while they are asked for one after the other.
 #[derive(Default)]
 pub struct TextureMaker {
-    last: Option<(&'static str, Surface)>,
+    last: Option<(TextureDef, Surface)>,
 }
 
 impl TextureMaker {
     /// Makes a map, [`TextureDef::size`] texels along each side; the same bits every time.
     pub fn make(&mut self, texture: &BuiltInTexture) -> Image {
         let def = texture.def;
-        if let Some((name, surface)) = &self.last
-            && *name == def.name
+        if let Some((last, surface)) = &self.last
+            && (last.name, last.size) == (def.name, def.size)
         {
             return texture.of(surface);
         }
         let surface = (def.make)(def.size);
         let image = texture.of(&surface);
-        self.last = Some((def.name, surface));
+        self.last = Some((*def, surface));
         image
     }
 }

@@ -50,7 +50,10 @@ pub(super) fn sandstone(size: usize) -> Surface {
     Surface::of_height(height, 0.02)
         .colored(|_, _| {
             let Some((grain, band)) = parts.next() else { return Vec3::ONE };
-            let color = ramp(&[(0.0, srgb(0x9E6B45)), (0.35, srgb(0xC09468)), (0.6, srgb(0xD6B185)), (1.0, srgb(0xE3CBA4))], 0.5 + 0.85 * band);
+            let color = ramp(
+                &[(0.0, srgb(0x9E6B45)), (0.35, srgb(0xC09468)), (0.6, srgb(0xD6B185)), (1.0, srgb(0xE3CBA4))],
+                0.5 + 0.85 * band,
+            );
             color * (1.0 + 0.28 * grain)
         })
         .rough(|_, _| 0.9)
@@ -74,7 +77,8 @@ pub(super) fn travertine(size: usize) -> Surface {
     let mut each = parts.values.iter();
     let mut surface = Surface::of_height(height, 0.02).rough(|_, _| 0.35 + 0.5 * each.next().map_or(0.0, |s| s.x));
     surface.base_color = Some(parts.map(|_, s| {
-        let ground = ramp(&[(0.0, srgb(0xB99C78)), (0.4, srgb(0xD3BD9B)), (0.8, srgb(0xE5D6BC)), (1.0, srgb(0xEFE5D3))], 0.5 + 0.8 * s.y);
+        let ground =
+            ramp(&[(0.0, srgb(0xB99C78)), (0.4, srgb(0xD3BD9B)), (0.8, srgb(0xE5D6BC)), (1.0, srgb(0xEFE5D3))], 0.5 + 0.8 * s.y);
         (ground * (1.0 + 0.06 * s.z)).lerp(srgb(0x7A6247), 0.75 * s.x)
     }));
     surface
@@ -96,7 +100,8 @@ pub(super) fn sand(size: usize) -> Surface {
         .colored(|p, _| {
             let Some(grain) = each.next() else { return Vec3::ONE };
             let kind = unit(grain.id);
-            let color = ramp(&[(0.0, srgb(0x7A5B3C)), (0.12, srgb(0xB48F63)), (0.6, srgb(0xCFAE80)), (1.0, srgb(0xE9D9BC))], kind);
+            let color =
+                ramp(&[(0.0, srgb(0x7A5B3C)), (0.12, srgb(0xB48F63)), (0.6, srgb(0xCFAE80)), (1.0, srgb(0xE9D9BC))], kind);
             color * (0.85 + 0.15 * ripple(p)) * (1.0 - 0.25 * grain.nearest)
         })
         .rough(|_, _| 0.9)
@@ -131,7 +136,8 @@ pub(super) fn ice(size: usize) -> Surface {
     let plates = Cells::new(UVec2::splat(5), 0.9, 451);
     let parts = Grid::from_fn(size, |p| {
         let bent = p + 0.05 * warp(p, UVec2::splat(3), 4, 452);
-        let crack = (1.0 - smoothstep(0.0, 0.035, plates.at(bent).border)) * smoothstep(-0.2, 0.3, fbm(p, UVec2::splat(4), 2, 453));
+        let crack =
+            (1.0 - smoothstep(0.0, 0.035, plates.at(bent).border)) * smoothstep(-0.2, 0.3, fbm(p, UVec2::splat(4), 2, 453));
         let cloud = smoothstep(0.05, 0.6, fbm(bent, UVec2::splat(3), 5, 454));
         (crack, cloud)
     });
@@ -158,7 +164,9 @@ pub(super) fn frost(size: usize) -> Surface {
         let branch = 11.0 * (across.abs() * 0.5 + along * 0.87);
         let tooth = 1.0 - (2.0 * (branch - branch.floor()) - 1.0).abs();
         let rib = (-across.abs() * 14.0).exp();
-        0.6 * tooth.powi(2) * (1.0 - 0.5 * field.nearest) + 0.6 * rib + 0.4 * fbm(p, UVec2::splat(40), 3, 463)
+        0.6 * tooth.powi(2) * (1.0 - 0.5 * field.nearest)
+            + 0.6 * rib
+            + 0.4 * fbm(p, UVec2::splat(40), 3, 463)
             + 0.3 * (1.0 - smoothstep(0.0, 0.06, field.border))
     });
     Surface::of_height(height, 0.012)

@@ -165,7 +165,11 @@ fn board(size: usize, species: &Species) -> Surface {
 
     let mut shade = late.clone();
     for (shade, fibre) in shade.values.iter_mut().zip(&fibres.values) {
-        *shade = 0.12 + 0.62 * species.contrast * *shade + 0.1 * fibre.x + 0.3 * species.streaks * fibre.y + 0.14 * species.figure * fibre.z;
+        *shade = 0.12
+            + 0.62 * species.contrast * *shade
+            + 0.1 * fibre.x
+            + 0.3 * species.streaks * fibre.y
+            + 0.14 * species.figure * fibre.z;
     }
     let [early, middle, dark, pore] = species.colors.map(srgb);
     let mut holes = pores.values.iter();
