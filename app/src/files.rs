@@ -308,6 +308,9 @@ mod tests {
         assert_eq!(texture_path("builtin:no such texture", folder), None);
         assert!(texture_problem("builtin:wood-oak/height", folder).is_none());
         let problem = texture_problem("builtin:wood-oka/height", folder).unwrap_or_default();
-        assert!(problem.starts_with("builtin:wood-oka/height: expected") && problem.ends_with("did you mean `wood-oak`?"), "{problem}");
+        assert!(
+            problem.starts_with("builtin:wood-oka/height: expected") && problem.ends_with("did you mean `wood-oak`?"),
+            "{problem}"
+        );
     }
 }

@@ -84,7 +84,7 @@ impl Weave {
         if self.twist > 0.0 {
             // Fibres wind around the thread, so they slant across it.
             let along = if top.is_warp { scaled.y } else { -scaled.x };
-            let turns = (self.twist * along).mul_add(1.0, top.across.asin_or_edge() / PI * 1.5) + unit(top.id);
+            let turns = self.twist * along + 1.5 / PI * top.across.clamp(-1.0, 1.0).asin() + unit(top.id);
             top.height += 0.1 * (TAU * turns).sin() * (1.0 - top.across * top.across).max(0.0);
         }
         top
@@ -92,17 +92,6 @@ impl Weave {
 
     fn grid(&self, size: usize) -> Grid<Thread> {
         Grid::from_fn(size, |p| self.at(p))
-    }
-}
-
-/// The arc sine, of the nearest number that has one.
-trait AsinOrEdge {
-    fn asin_or_edge(self) -> f32;
-}
-
-impl AsinOrEdge for f32 {
-    fn asin_or_edge(self) -> f32 {
-        self.clamp(-1.0, 1.0).asin()
     }
 }
 
@@ -194,7 +183,7 @@ pub(super) fn carbon(size: usize) -> Surface {
     let mut surface = Surface::of_height(height, 0.008)
         .colored(|_, _| {
             let Some((thread, filament)) = each.next() else { return Vec3::ZERO };
-            srgb(0x2A2B2D) * (0.35 + 0.65 * smoothstep(0.0, 0.35, 1.0 - thread.across.abs())) * (1.0 + 0.3 * filament)
+            srgb(0x555350) * (0.35 + 0.65 * smoothstep(0.0, 0.35, 1.0 - thread.across.abs())) * (1.0 + 0.3 * filament)
         })
         .rough(|_, h| 0.42 - 0.1 * h);
     surface.anisotropy_rotation = Some(rotations(&threads));

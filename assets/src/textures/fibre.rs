@@ -41,5 +41,5 @@ pub(super) fn cardboard(size: usize) -> Surface {
             let strand = strands.next().copied().unwrap_or(0.5);
             srgb(0xB18D62) * (0.8 + 0.35 * strand + 0.1 * fbm(p, UVec2::splat(14), 4, 194) + 0.04 * flute(p))
         })
-        .rough(|_, _| 0.85)
+        .rough(|_, h| 0.9 - 0.1 * h)
 }

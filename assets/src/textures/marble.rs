@@ -9,7 +9,7 @@ use super::noise::{fbm, gradient, smoothstep, warp};
 fn veins(p: Vec2, bent: Vec2, cells: UVec2, width: f32, seed: u32) -> f32 {
     let distance = gradient(bent, cells, seed).abs();
     let swell = 0.5 + 0.9 * fbm(p, UVec2::splat(3), 3, seed + 10);
-    let presence = smoothstep(-0.15, 0.35, fbm(p, UVec2::splat(2), 2, seed + 20));
+    let presence = smoothstep(-0.35, 0.2, fbm(p, UVec2::splat(2), 2, seed + 20));
     let half = width * swell.max(0.08);
     let core = half / (half + distance * distance / half);
     core * presence
@@ -21,8 +21,8 @@ fn structure(p: Vec2, seed: u32) -> Vec3 {
     let sheared = Vec2::new(p.x + p.y, p.y);
     // What moved the rock moved all of it; thinner veins followed less and another way.
     let bend = warp(p, UVec2::splat(2), 5, seed);
-    let broad = veins(p, sheared + 0.22 * bend, UVec2::new(3, 1), 0.05, seed + 100);
-    let fine = veins(p, sheared + 0.16 * bend.perp(), UVec2::new(6, 3), 0.022, seed + 200);
+    let broad = veins(p, sheared + 0.22 * bend, UVec2::new(3, 1), 0.07, seed + 100);
+    let fine = veins(p, sheared + 0.16 * bend.perp(), UVec2::new(6, 3), 0.03, seed + 200);
     let hair = veins(p, p - 0.12 * bend, UVec2::new(7, 8), 0.014, seed + 300);
     let cloud = 0.5 + 0.75 * fbm(sheared - 0.16 * bend.perp(), UVec2::new(4, 2), 5, seed + 400);
     Vec3::new(broad.max(0.85 * fine), hair, cloud.clamp(0.0, 1.0))
@@ -44,7 +44,7 @@ fn marble(size: usize, seed: u32, color: impl Fn(Vec3) -> Vec3) -> Surface {
 /// White with grey clouds and veins.
 pub(super) fn white(size: usize) -> Surface {
     marble(size, 301, |s| {
-        let ground = srgb(0xF1EFEB).lerp(srgb(0xB9BBBD), 0.9 * smoothstep(0.4, 1.0, s.z));
+        let ground = srgb(0xF1EFEB).lerp(srgb(0xB9BBBD), smoothstep(0.35, 0.9, s.z));
         ground.lerp(srgb(0x5E6369), 0.9 * s.x).lerp(srgb(0x8F8D88), 0.5 * s.y)
     })
 }

@@ -26,7 +26,7 @@ pub(super) fn concrete(size: usize) -> Surface {
         let sand = fbm(p, UVec2::splat(100), 2, 504);
         Vec3::new(holes(&air, p + 0.004 * warp(p, UVec2::splat(40), 1, 505), 0.32, 0.26), stain, sand)
     });
-    let height = parts.map(|p, s| -1.0 * s.x + 0.07 * s.z + 0.12 * fbm(p, UVec2::splat(9), 4, 506));
+    let height = parts.map(|p, s| -s.x + 0.07 * s.z + 0.12 * fbm(p, UVec2::splat(9), 4, 506));
     let mut each = parts.values.iter();
     let mut surface = Surface::of_height(height, 0.018).rough(|_, _| {
         let s = each.next().copied().unwrap_or(Vec3::ZERO);
@@ -53,7 +53,7 @@ pub(super) fn plaster(size: usize) -> Surface {
             width: random.between(0.08, 0.16),
         };
         // Flat within, with a burr that the edge of the trowel leaves.
-        stroke.draw(&mut sweeps, |h, cover, _| {
+        stroke.draw(&mut sweeps, |h, cover| {
             let burr = 0.5 * smoothstep(0.02, 0.06, cover) * (1.0 - smoothstep(0.06, 0.16, cover));
             *h += (level + burr - *h) * 0.3 * smoothstep(0.0, 0.1, cover);
         });

@@ -25,7 +25,7 @@ pub(super) fn brushed(size: usize) -> Surface {
             width: random.between(0.0008, 0.0024),
         };
         let depth = random.between(-1.0, 0.5);
-        stroke.draw(&mut scratches, |h, cover, _| *h += (depth - *h) * 0.6 * cover);
+        stroke.draw(&mut scratches, |h, cover| *h += (depth - *h) * 0.6 * cover);
     }
     let mut each = scratches.clone().values.into_iter();
     Surface::of_height(scratches, 0.0022).rough(|_, _| 0.3 + 0.16 * each.next().unwrap_or(0.0))
@@ -44,7 +44,7 @@ pub(super) fn ground(size: usize) -> Surface {
             width: random.between(0.0015, 0.004),
         };
         let depth = random.between(-0.6, 0.35);
-        stroke.draw(&mut height, |h, cover, _| *h += (depth - *h) * 0.7 * cover);
+        stroke.draw(&mut height, |h, cover| *h += (depth - *h) * 0.7 * cover);
     }
     let mut each = height.clone().values.into_iter();
     Surface::of_height(height, 0.003)

@@ -169,16 +169,14 @@ impl Cells {
                 count += 1;
             }
         }
+        // Distance to the line halfway between both points, squared so that there is one root in all.
         let own = offsets[best];
-        let mut border = f32::INFINITY;
-        for (k, other) in offsets.iter().enumerate() {
-            if k != best {
-                // Distance to the line halfway between both points.
-                let between = own - *other;
-                let distance = -0.5 * (own + *other).dot(between) / between.length().max(1e-6);
-                border = border.min(distance);
-            }
-        }
-        Cell { id: hash(id, 0xCE11, self.seed), offset: own, nearest: nearest.sqrt(), border: border.max(0.0) }
+        let border = |other: &Vec2| {
+            let beyond = other.length_squared() - nearest;
+            0.25 * beyond * beyond / (own - *other).length_squared().max(1e-9)
+        };
+        let borders = offsets.iter().enumerate().map(|(k, other)| if k == best { f32::INFINITY } else { border(other) });
+        let border = borders.fold(f32::INFINITY, f32::min).sqrt();
+        Cell { id: hash(id, 0xCE11, self.seed), offset: own, nearest: nearest.sqrt(), border }
     }
 }

@@ -56,7 +56,7 @@ pub(super) fn sandstone(size: usize) -> Surface {
             );
             color * (1.0 + 0.28 * grain)
         })
-        .rough(|_, _| 0.9)
+        .rough(|_, h| 0.96 - 0.12 * h)
 }
 
 /// Bands of lime with holes along them.
@@ -104,7 +104,7 @@ pub(super) fn sand(size: usize) -> Surface {
                 ramp(&[(0.0, srgb(0x7A5B3C)), (0.12, srgb(0xB48F63)), (0.6, srgb(0xCFAE80)), (1.0, srgb(0xE9D9BC))], kind);
             color * (0.85 + 0.15 * ripple(p)) * (1.0 - 0.25 * grain.nearest)
         })
-        .rough(|_, _| 0.9)
+        .rough(|_, h| 0.96 - 0.12 * h)
 }
 
 /// Crumbs and clods of several sizes, with some stones.
@@ -128,7 +128,7 @@ pub(super) fn soil(size: usize) -> Surface {
             let earth = srgb(0x6B4A30).lerp(srgb(0x4A311F), damp.clamp(0.0, 1.0)).lerp(srgb(0x86694B), 0.35 * tone);
             earth.lerp(srgb(0x9A8F80), 0.7 * stone * smoothstep(0.4, 0.6, h)) * (0.45 + 0.75 * h)
         })
-        .rough(|_, _| 0.92)
+        .rough(|_, h| 0.97 - 0.1 * h)
 }
 
 /// Ice with white flaws: planes of small bubbles, and cracks.

@@ -21,9 +21,9 @@ pub(super) struct Stroke {
 }
 
 impl Stroke {
-    /// Calls `paint(value, cover, along)` for the texels touched, with the cross-section (1 in the middle, 0 at the edge) times a
-    /// fade towards both ends, and the part of the length. A texel is met several times.
-    pub(super) fn draw<T>(&self, grid: &mut Grid<T>, mut paint: impl FnMut(&mut T, f32, f32)) {
+    /// Calls `paint(value, cover)` for the texels touched; the cover is the cross-section (1 in the middle, 0 at the edge) times a fade
+    /// towards both ends. A texel is met several times.
+    pub(super) fn draw<T>(&self, grid: &mut Grid<T>, mut paint: impl FnMut(&mut T, f32)) {
         let n = grid.size as f32;
         let radius = (0.5 * self.width * n).max(0.75);
         let faint = (self.width * n / 1.5).min(1.0);
@@ -43,7 +43,7 @@ impl Stroke {
                     if d < 1.0 {
                         let wrap = |i: i32| i.rem_euclid(grid.size as i32) as usize;
                         let index = wrap(y + dy) * grid.size + wrap(x + dx);
-                        paint(&mut grid.values[index], fade * (1.0 - d), along);
+                        paint(&mut grid.values[index], fade * (1.0 - d));
                     }
                 }
             }
@@ -65,7 +65,7 @@ pub(super) fn mat(size: usize, count: usize, length: [f32; 2], width: f32, bend:
             width: width * random.between(0.6, 1.3),
         };
         let level = 0.7 * k as f32 / count as f32;
-        stroke.draw(&mut grid, |h: &mut f32, cover, _| *h = h.max(level + 0.3 * cover - 0.3 * (1.0 - cover)));
+        stroke.draw(&mut grid, |h: &mut f32, cover| *h = h.max(level + 0.3 * cover - 0.3 * (1.0 - cover)));
     }
     grid
 }

@@ -215,12 +215,12 @@ fn pores(size: usize, species: &Species, ages: &Grid<f32>) -> Grid<f32> {
         let width = species.pore[1] * random.between(0.6, 1.2) * if in_early { 1.15 } else { 0.85 };
         let depth = random.between(0.5, 1.0);
         let stroke = Stroke { start, angle: random.between(-0.02, 0.02), length, bend: 0.0, width };
-        stroke.draw(&mut grid, |value, cover, _| *value = value.max(cover.sqrt() * depth));
+        stroke.draw(&mut grid, |value, cover| *value = value.max(cover.sqrt() * depth));
     }
     for _ in 0..species.rays {
         let (start, length) = (random.point(), random.between(0.01, 0.04));
         let stroke = Stroke { start, angle: random.between(-0.01, 0.01), length, bend: 0.0, width: 0.0022 };
-        stroke.draw(&mut grid, |value, cover, _| *value = value.max(0.45 * cover));
+        stroke.draw(&mut grid, |value, cover| *value = value.max(0.45 * cover));
     }
     grid
 }
