@@ -125,7 +125,8 @@ impl Document {
         }
         for def in PROPERTIES {
             let Some(texture) = &mut self.material.slot_mut(def.id).texture else { continue };
-            let name = files::texture_name(&files::texture_path(&texture.path, old.as_deref()), folder);
+            let Some(path) = files::texture_path(&texture.path, old.as_deref()) else { continue };
+            let name = files::texture_name(&path, folder);
             if let Some(image) = self.textures.get(&texture.path).cloned() {
                 Arc::make_mut(&mut self.textures).insert(name.clone(), image);
             }

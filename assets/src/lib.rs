@@ -13,6 +13,7 @@ mod load;
 mod mesh;
 mod shapes;
 mod tangents;
+mod textures;
 
 pub use crate::environment::Environment;
 pub use crate::environments::{ENVIRONMENTS, EnvironmentDef, make_environment};
@@ -20,3 +21,6 @@ pub use crate::image::Image;
 pub use crate::load::{AssetError, is_environment_path, is_image_path, is_model_path, load_environment, load_image, load_model};
 pub use crate::mesh::{Bounds, Mesh, Model, Part, Role};
 pub use crate::shapes::{SHAPES, ShapeDef, make_shape};
+pub use crate::textures::{
+    BUILT_IN_PREFIX, BuiltInTexture, MAX_CONTRAST, TEXTURES, TextureDef, TextureError, TextureMaker, TextureMap,
+};

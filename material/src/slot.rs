@@ -14,7 +14,9 @@ pub struct Slot {
 /// Reference to an image file and how it is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureRef {
-    /// Path as authored, with `/`; relative paths start at the folder of the material file.
+    /// Path as authored, with `/`; relative paths start at the folder of the material file. `builtin:TEXTURE/MAP`, such as
+    /// `builtin:wood-oak/base_color` or `builtin:wood-oak/base_color?mean=0.4,0.3,0.2&contrast=0.5`, names a texture that comes with the
+    /// program (`burnish_assets::TEXTURES`).
     pub path: String,
     /// Which channels are used. A colour reads three, a scalar one.
     pub channel: Channel,

@@ -132,7 +132,7 @@ fn walk(seed: u64) {
                 }
             }
             8..=15 => edit(&mut random, &mut window),
-            16 => app_mut(&mut window).load_preset(&presets[random.below(presets.len())]),
+            16 => app_mut(&mut window).load_preset(&presets[random.below(presets.len())], &ctx),
             _ => touch(&mut random, &mut window),
         }
         window.step();

@@ -25,13 +25,17 @@ pub(super) enum After {
 
 impl App {
     /// Takes the place of the document by a preset, as one step that undo takes back.
-    pub fn load_preset(&mut self, preset: &'static Preset) {
+    pub fn load_preset(&mut self, preset: &'static Preset, ctx: &Context) {
         match preset.parse() {
             Ok((file, _)) => {
                 let opened = OpenedMaterial { path: None, file, warnings: Vec::new(), textures: Arc::default() };
                 self.history.settle();
                 self.editor.document = self.editor.document.replaced_by(Document::opened(opened));
                 self.history.commit(format!("Load preset {}", preset.name), &self.editor.document);
+                let material = self.editor.document.material.clone();
+                if material.slots().any(|(_, slot)| slot.texture.is_some()) {
+                    self.loader.start(Job::Textures(self.tabs.front_id(), Box::new(material), None), ctx);
+                }
                 self.messages.info(format!("Loaded preset {}; undo brings back what was here before.", preset.name));
             }
             Err(error) => self.messages.error(format!("The preset {} cannot be read: {error}", preset.name)),
@@ -339,7 +343,7 @@ impl App {
             let folder = document.folder();
             for (_, slot) in document.material.slots() {
                 let Some(texture) = &slot.texture else { continue };
-                if files::texture_path(&texture.path, folder) == path {
+                if files::texture_path(&texture.path, folder).as_deref() == Some(path) {
                     reloaded.push(Job::Image(id, texture.path.clone(), path.to_path_buf()));
                 }
             }

@@ -180,9 +180,8 @@ impl App {
         for (_, document) in self.tabs.documents(&self.editor.document) {
             paths.extend(document.path().map(Path::to_path_buf));
             let maps = document.material.slots().filter_map(|(_, slot)| slot.texture.as_ref());
-            paths.extend(
-                maps.filter(|map| !map.path.is_empty()).map(|map| crate::files::texture_path(&map.path, document.folder())),
-            );
+            let maps = maps.filter(|map| !map.path.is_empty());
+            paths.extend(maps.filter_map(|map| crate::files::texture_path(&map.path, document.folder())));
         }
         if paths != self.keeping.watched {
             watch.set(paths.iter().cloned());

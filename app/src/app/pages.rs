@@ -84,7 +84,7 @@ impl App {
                 self.editor.view.are_panels_shown = true;
                 self.properties.go_to(property);
             }
-            Some(Choice::Preset(preset)) => self.load_preset(preset),
+            Some(Choice::Preset(preset)) => self.load_preset(preset, ctx),
             Some(Choice::File(_)) | None => {}
         }
     }

@@ -131,7 +131,7 @@ impl App {
             Pane::Library => {
                 let name = self.editor.document.file().material().name.clone();
                 if let Some(preset) = hold(ui, |ui| self.presets.show(ui, &name)) {
-                    self.load_preset(preset);
+                    self.load_preset(preset, &ctx);
                 }
             }
             Pane::Folder => hold(ui, |ui| self.library_pane(ui)),

@@ -139,6 +139,6 @@ fn unusable_textures(material: &Material, folder: Option<&Path>) -> Vec<(&'stati
     // A texture without a path is a finding already.
     textures
         .filter(|(_, texture)| !texture.path.is_empty())
-        .filter_map(|(key, texture)| Some((key, files::texture_problem(&files::texture_path(&texture.path, folder))?)))
+        .filter_map(|(key, texture)| Some((key, files::texture_problem(&texture.path, folder)?)))
         .collect()
 }

@@ -42,7 +42,10 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
         let place = format!("preset:{}", preset.name);
         let (file, warnings) = preset.parse().map_err(|error| CliError::unusable(format!("{place}: {error}")))?;
         report(&place, &warnings, messages)?;
-        return Ok(LoadedMaterial { material: Arc::new(file.material().clone()), textures: Arc::default() });
+        let material = file.material().clone();
+        let (textures, problems) = files::load_textures(&material, None);
+        problems.into_iter().for_each(|problem| messages.warn(format!("{place}: {problem}")));
+        return Ok(LoadedMaterial { material: Arc::new(material), textures: Arc::new(textures) });
     }
 
     let path = Path::new(text);

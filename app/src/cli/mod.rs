@@ -17,7 +17,7 @@ pub mod render;
 pub mod scene_options;
 mod set;
 pub mod stability;
-mod suggest;
+pub(crate) mod suggest;
 mod target;
 mod window;
 

@@ -254,6 +254,8 @@ fn a_material_file_is_warned_about_once_each() {
         (texture("env"), "env, found a folder"),
         (texture("red.asm.ron"), "red.asm.ron, found a name without"),
         (texture(""), "roughness: has a texture without a path"),
+        (texture("builtin:wood-oka/roughness"), "found `wood-oka`; did you mean `wood-oak`?"),
+        (texture("builtin:wood-oak/roughnes"), "found `roughnes`; did you mean `roughness`?"),
     ];
     for (value, text) in cases {
         place.write("odd.asm.ron", &format!("{{\"asm\": \"4.0\", \"properties\": {{\"roughness\": {value}}}}}"));
@@ -267,6 +269,21 @@ fn a_material_file_is_warned_about_once_each() {
         let rows = place.run(&["check", "odd.asm.ron", "--json"]).json();
         assert_eq!((&rows["errors"], &rows["warnings"]), (&0.into(), &1.into()), "{rows}");
     }
+}
+
+#[test]
+fn built_in_textures_are_rendered_and_never_missing() {
+    let place = Place::new();
+    let color = |value: &str| format!("{{\"asm\": \"4.0\", \"properties\": {{\"base_color\": {value}}}}}");
+    place.write("plain.asm.ron", &color("(0.4, 0.3, 0.2)"));
+    place.write("oak.asm.ron", &color("{\"texture\": {\"path\": \"builtin:wood-oak/base_color?mean=0.4,0.3,0.2\"}}"));
+    for name in ["plain", "oak"] {
+        let run = place.render(&[&format!("{name}.asm.ron"), "--spp", "4", "--out", &format!("{name}.png"), "--json"]);
+        assert_eq!((run.code, run.err.as_str()), (Some(0), ""), "{name}");
+    }
+    assert!(fs::read(place.path("plain.png")).unwrap() != fs::read(place.path("oak.png")).unwrap());
+    let rows = place.run(&["check", "oak.asm.ron", "--json"]).json();
+    assert_eq!((&rows["errors"], &rows["warnings"]), (&0.into(), &0.into()), "{rows}");
 }
 
 #[cfg(unix)]
