@@ -6,6 +6,7 @@
 pub mod app;
 pub mod cli;
 pub mod command;
+pub mod content_hash;
 pub mod curve;
 pub mod dialogs;
 pub mod dock;
@@ -31,6 +32,7 @@ pub mod pages;
 pub mod panels;
 pub mod parity;
 pub mod picture_file;
+pub mod picture_job;
 pub mod places;
 pub mod preferences;
 pub mod recent;

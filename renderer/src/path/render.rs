@@ -9,11 +9,15 @@
 //!   estimate is not firefly-limited, or when even the upper end of its interval is below the target. Where the target comes before the next power of two, the missing samples are computed from the slope of the error and
 //!   rendered in two steps. A render with no other rule ends at [`SPP_MAX`] at the latest.
 
+mod kept;
+
+pub use kept::{Kept, KeptError};
+
 use super::PassStats;
 use super::adaptive::{Allocation, SampleCounts, is_decision, next_decision};
 use super::convergence::ErrorPoint;
 use super::estimate::ErrorEstimate;
-use super::film::{Film, LATTICE, Quota, REPLICATES};
+use super::film::{Film, LATTICE, Quota, REPLICATES, Window};
 use super::prepared::Prepared;
 use super::schedule::render_quotas;
 use crate::scene::Scene;
@@ -127,6 +131,18 @@ pub struct Rendering {
     pub samples: u64,
     /// Lobes that the materials need.
     pub lobes: LobeSet,
+    /// What goes on from here needs to know.
+    plan: Plan,
+    allocation: Option<Arc<Allocation>>,
+}
+
+/// A part of a picture, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Column and row of its first pixel.
+    pub at: [usize; 2],
+    /// Columns and rows.
+    pub size: [usize; 2],
 }
 
 /// Decides how many samples come next.
@@ -253,12 +269,16 @@ pub(crate) struct Run<'a> {
 impl<'a> Run<'a> {
     /// A render that has no samples yet.
     pub(crate) fn new(prepared: &'a Prepared, settings: Settings) -> Self {
+        Self::of_film(prepared, settings, Film::new(settings.width, settings.height))
+    }
+
+    fn of_film(prepared: &'a Prepared, settings: Settings, film: Film) -> Self {
         Self {
             prepared,
             settings,
             plan: Plan::new(settings.stop),
             allocation: None,
-            film: Film::new(settings.width, settings.height),
+            film,
             stats: PassStats::default(),
             seconds: 0.0,
             error: None,
@@ -391,8 +411,55 @@ pub fn render_prepared(
     start: Instant,
     progress: &mut dyn FnMut(&Progress<'_>) -> bool,
 ) -> Rendering {
+    finish(Run::new(prepared, *settings), start, progress)
+}
+
+/// [`render_prepared`] for a part of the picture that the settings describe: without adaptive sampling, its bits are those of the whole.
+/// Memory is that of the part.
+pub fn render_tile(
+    prepared: &Prepared,
+    settings: &Settings,
+    tile: Tile,
+    start: Instant,
+    progress: &mut dyn FnMut(&Progress<'_>) -> bool,
+) -> Rendering {
+    let full = [settings.width, settings.height];
+    let at = [0, 1].map(|k| tile.at[k].min(full[k]));
+    let [width, height] = [0, 1].map(|k| tile.size[k].min(full[k] - at[k]));
+    finish(Run::of_film(prepared, *settings, Film::of_window(width, height, Window { full, at })), start, progress)
+}
+
+/// The picture, or the part of it, that a render holds after `samples` samples of all its pixels together, whatever ended that render: the same
+/// bits. The stop rules of the settings are not looked at.
+pub fn repeat(
+    prepared: &Prepared,
+    settings: &Settings,
+    tile: Tile,
+    samples: u64,
+    start: Instant,
+    progress: &mut dyn FnMut(&Progress<'_>) -> bool,
+) -> Rendering {
+    let pixels = (tile.size[0] * tile.size[1]) as u64;
+    let spp = u32::try_from(samples / pixels.max(1)).unwrap_or(SPP_MAX);
+    let settings = Settings { stop: StopRules { spp: Some(spp), ..StopRules::default() }, ..*settings };
+    if spp > 0 {
+        return render_tile(prepared, &settings, tile, start, progress);
+    }
+    let window = Window { full: [settings.width, settings.height], at: tile.at };
+    let mut run = Run::of_film(prepared, settings, Film::of_window(tile.size[0], tile.size[1], window));
+    let quotas = run.film.beginning(samples as usize);
+    if let Some(stats) = render_quotas(prepared, &mut run.film, &quotas, settings.seed, settings.threads, &|| false) {
+        run.stats.add(&stats);
+    }
+    // No time is left for another.
+    run.settings.stop.seconds = Some(0.0);
+    run.plan.stop.seconds = Some(0.0);
+    finish(run, start, progress)
+}
+
+/// Steps until a rule ends it.
+fn finish(mut run: Run<'_>, start: Instant, progress: &mut dyn FnMut(&Progress<'_>) -> bool) -> Rendering {
     let load_seconds = start.elapsed().as_secs_f64();
-    let mut run = Run::new(prepared, *settings);
     let mut first_image_seconds = 0.0;
     let stop_reason = loop {
         let is_first = run.stats.samples == 0;
@@ -417,8 +484,10 @@ pub fn render_prepared(
         stop_reason,
         nonfinite: run.stats.nonfinite + run.stats.negative,
         samples: run.stats.samples,
-        lobes: prepared.lobes(),
+        lobes: run.prepared.lobes(),
         film: run.film,
+        plan: run.plan,
+        allocation: run.allocation,
     }
 }
 
@@ -547,6 +616,62 @@ mod tests {
         let (a, b) = (moments(&sums(true)), moments(&sums(false)));
         let z = (a.0 - b.0) / (a.1 + b.1).sqrt();
         assert!(z.abs() < 3.5, "{z}: {a:?} {b:?}");
+    }
+
+    #[test]
+    fn any_stopped_picture_is_repeated_and_goes_on_as_if_it_had_not_stopped() {
+        let prepared = Prepared::new(&mixed(), None);
+        let settings = |stop| Settings { width: 40, height: 36, seed: 9, threads: 2, stop, is_adaptive: true };
+        let by = |relmse| StopRules { relmse: Some(relmse), ..StopRules::default() };
+        let whole = Tile { at: [0, 0], size: [40, 36] };
+        let again = |samples| repeat(&prepared, &settings(by(1e-9)), whole, samples, Instant::now(), &mut |_| true).film;
+        let through = render_prepared(&prepared, &settings(by(2e-3)), Instant::now(), &mut |_| true);
+        assert_eq!(through.stop_reason, StopReason::Error);
+        assert!(again(through.film.total_samples()).mean() == through.film.mean());
+        // Not even one sample in every pixel: any beginning of the coarse picture.
+        let mut first = Run::new(&prepared, settings(StopRules { seconds: Some(1e3), ..StopRules::default() }));
+        first.step(&|| false).expect("there is time");
+        first.pace = PASS_SECONDS / 100.0;
+        for _ in 0..5 {
+            first.step(&|| false).expect("there is time");
+            first.pace = PASS_SECONDS / 100.0;
+            let film = again(first.film.total_samples());
+            assert!(film.samples() == first.film.samples() && film.mean() == first.film.mean());
+        }
+        // Stopped in the middle, put aside, taken up.
+        let mut passes = 0;
+        let stopped = render_prepared(&prepared, &settings(by(2e-3)), Instant::now(), &mut |state| {
+            passes += 1;
+            state.film.spp() < 32
+        });
+        assert_eq!(stopped.stop_reason, StopReason::Cancelled);
+        let bytes = stopped.keep();
+        let kept = Kept::read(&bytes).expect("it was just made");
+        assert_eq!(kept.spp(), stopped.film.spp());
+        let on = kept.go_on(&prepared, &settings(by(2e-3)), Instant::now(), &mut |_| true).expect("it is of this size");
+        assert!(on.film.mean() == through.film.mean() && on.film.samples() == through.film.samples());
+        assert_eq!((on.error, on.stop_reason), (through.error, StopReason::Error));
+        // Damage is found, wherever it is.
+        for at in [0, 9, 40, bytes.len() / 2, bytes.len() - 1] {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 1;
+            assert!(Kept::read(&damaged).is_err(), "{at}");
+        }
+        assert!(Kept::read(&bytes[..bytes.len() - 8]).is_err() && Kept::read(&[]).is_err());
+    }
+
+    #[test]
+    fn tiles_are_parts_of_the_picture() {
+        let prepared = Prepared::new(&mixed(), None);
+        let stop = StopRules { spp: Some(6), ..StopRules::default() };
+        let settings = Settings { width: 40, height: 30, seed: 3, threads: 2, stop, is_adaptive: false };
+        let whole = render_prepared(&prepared, &settings, Instant::now(), &mut |_| true).film.mean();
+        for tile in [Tile { at: [0, 0], size: [17, 30] }, Tile { at: [17, 11], size: [23, 19] }] {
+            let part = render_tile(&prepared, &settings, tile, Instant::now(), &mut |_| true).film;
+            assert_eq!([part.width, part.height], tile.size);
+            let row = |y: usize| &whole[(tile.at[1] + y) * 40 + tile.at[0]..][..tile.size[0]];
+            assert!(part.mean().chunks(tile.size[0]).enumerate().all(|(y, of_part)| of_part == row(y)), "{tile:?}");
+        }
     }
 
     #[test]
