@@ -250,6 +250,10 @@ impl App {
                     self.messages.info(format!("Comparing with {} as it is on disk.", path.display()));
                 }
             }
+            (Job::Picture(picture), Ok(Loaded::Material(opened))) => {
+                self.open_document(Document::opened(*opened));
+                self.messages.info(format!("Opened the material that {} was made of, as a new document.", picture.display()));
+            }
             (_, Ok(Loaded::Material(opened))) => self.show_opened(*opened),
             (Job::Textures(id, ..), Ok(Loaded::Textures(textures))) => {
                 self.edit_document(id, None, |document| Arc::make_mut(&mut document.textures).extend(textures));

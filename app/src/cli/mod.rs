@@ -6,18 +6,25 @@
 pub mod check;
 pub mod compare;
 pub mod converge;
+mod develop;
 pub mod features;
+mod final_picture;
 mod interrupt;
 mod material_argument;
 pub mod parity;
+mod picture_options;
 pub mod presets;
+mod preview_picture;
 mod progress_line;
 pub mod render;
+mod repeat;
 pub mod scene_options;
 mod set;
 pub mod stability;
 mod suggest;
 mod target;
+mod tiles;
+pub mod turntable;
 mod window;
 
 use crate::app::WindowOptions;
@@ -29,7 +36,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader", "library", "turntable"];
+const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader", "library"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -65,6 +72,8 @@ enum Command {
     Check(check::CheckArguments),
     /// Reports which lobes a material needs, and what leaving out the others saves
     Features(Box<features::FeaturesArguments>),
+    /// Renders an image sequence around the object
+    Turntable(Box<turntable::TurntableArguments>),
     /// Probes materials numerically at extremes; without one, the built-in suite
     Stability(Box<stability::StabilityArguments>),
 }
@@ -85,6 +94,8 @@ pub enum CliError {
     Unusable(String),
     /// The user interrupted it; nothing was written.
     Interrupted,
+    /// The user interrupted it; what was written, and how it goes on.
+    Stopped(String),
 }
 
 impl CliError {
@@ -97,7 +108,7 @@ impl CliError {
 impl fmt::Display for CliError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unusable(message) => f.write_str(message),
+            Self::Unusable(message) | Self::Stopped(message) => f.write_str(message),
             Self::Interrupted => f.write_str("interrupted; nothing was written"),
         }
     }
@@ -141,7 +152,7 @@ pub fn main() -> ExitCode {
         && !Path::new(word).exists()
     {
         return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, features, stability or files to open"
+            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, features, stability, turntable or files to open"
         ))));
     }
     let arguments = match Arguments::try_parse_from(words) {
@@ -165,6 +176,7 @@ pub fn main() -> ExitCode {
                 Command::Presets(arguments) => presets::run(&arguments),
                 Command::Check(arguments) => check::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),
+                Command::Turntable(arguments) => turntable::run(&arguments),
                 Command::Stability(arguments) => stability::run(&arguments),
             }
         }
@@ -177,7 +189,7 @@ fn exit(result: Result<Outcome, CliError>) -> ExitCode {
         Ok(Outcome::Findings) => ExitCode::from(1),
         Err(error) => {
             eprintln!("error: {}", one_line(&error.to_string()));
-            ExitCode::from(if matches!(error, CliError::Interrupted) { 130 } else { 2 })
+            ExitCode::from(if matches!(error, CliError::Interrupted | CliError::Stopped(_)) { 130 } else { 2 })
         }
     }
 }

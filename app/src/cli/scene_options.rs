@@ -125,6 +125,11 @@ impl LoadedScene {
         self
     }
 
+    /// By how much the objects were turned, degrees.
+    pub fn turn_deg(&self) -> f64 {
+        self.origin.turn_deg
+    }
+
     /// Notes what a picture in `folder` has to say about its scene and material. Reads all files of the scene.
     pub fn describe(&self, job: &mut PictureJob, folder: Option<&Path>) {
         let origin = &self.origin;

@@ -2,7 +2,7 @@
 
 mod bytes;
 
-use super::estimate::{ErrorEstimate, estimate, variance_of_mean};
+use super::estimate::{EPSILON, ErrorEstimate, estimate, variance_of_mean};
 use super::photon::Splat;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -179,6 +179,16 @@ impl Film {
             std::array::from_fn(|k| variance_of_mean(&b.map(|b| b[k]), &w) as f32)
         };
         (0..self.cells.len()).map(variance).collect()
+    }
+
+    /// Standard error of the mean of each pixel relative to its brightness: the root of the mean over channels of variance over squared mean, to
+    /// which a hundredth is added. Zeros where a replicate holds no sample.
+    pub fn relative_error(&self) -> Vec<f32> {
+        let one = |(variance, mean): ([f32; 3], [f32; 3])| {
+            let terms = (0..3).map(|k| f64::from(variance[k]) / (f64::from(mean[k]).powi(2) + EPSILON));
+            (terms.sum::<f64>() / 3.0).sqrt() as f32
+        };
+        self.variance().into_iter().zip(self.mean()).map(one).collect()
     }
 
     /// The error of the picture, estimated from its replicates. `None` until every replicate of every pixel holds a sample.
