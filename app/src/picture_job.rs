@@ -9,7 +9,7 @@ use burnish_renderer::path::ErrorEstimate;
 use burnish_renderer::scene::Camera;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// This program and its version.
 pub const PROGRAM: &str = concat!("Burnish ", env!("CARGO_PKG_VERSION"));
@@ -132,6 +132,25 @@ pub enum Source {
     },
 }
 
+/// Where a part of a scene was loaded from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A built-in one, by its name.
+    BuiltIn(String),
+    /// A file.
+    File(PathBuf),
+}
+
+impl Place {
+    /// The same as a picture in `folder` names it. Reads the file.
+    pub fn source(&self, folder: Option<&Path>) -> Source {
+        match self {
+            Self::BuiltIn(name) => Source::BuiltIn { name: name.clone() },
+            Self::File(path) => Source::of_file(path, folder),
+        }
+    }
+}
+
 /// An image of the material.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
@@ -195,7 +214,7 @@ fn named(path: &Path, folder: Option<&Path>) -> (String, String) {
 }
 
 /// The folder that paths in a picture start at: that of the picture.
-pub fn folder_of(picture: &Path) -> Option<std::path::PathBuf> {
+pub fn folder_of(picture: &Path) -> Option<PathBuf> {
     std::path::absolute(picture).ok()?.parent().map(Path::to_path_buf)
 }
 

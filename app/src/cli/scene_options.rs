@@ -3,7 +3,7 @@
 use super::material_argument::{self, LoadedMaterial};
 use super::set::{Assignment, parse_number, parse_triple};
 use super::{CliError, Messages, interrupt, suggest};
-use crate::picture_job::{PictureJob, SceneSource, Source, Texture};
+use crate::picture_job::{PictureJob, Place, SceneSource, Source, Texture};
 use crate::scene_file::{DOCUMENT_MATERIAL, MAX_PIXELS, MAX_SIDE, MAX_TILED_PIXELS, load_scene};
 use burnish_assets::{
     ENVIRONMENTS, Environment, Model, SHAPES, is_environment_path, is_model_path, load_environment, load_model, make_environment,
@@ -99,21 +99,6 @@ struct Origin {
     file: Option<Arc<MaterialFile>>,
     texture_files: Vec<(String, PathBuf)>,
     turn_deg: f64,
-}
-
-#[derive(Clone, Debug)]
-enum Place {
-    BuiltIn(String),
-    File(PathBuf),
-}
-
-impl Place {
-    fn source(&self, folder: Option<&Path>) -> Source {
-        match self {
-            Self::BuiltIn(name) => Source::BuiltIn { name: name.clone() },
-            Self::File(path) => Source::of_file(path, folder),
-        }
-    }
 }
 
 impl LoadedScene {

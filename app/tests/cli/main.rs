@@ -10,7 +10,9 @@ use tempfile::TempDir;
 
 mod library;
 mod measure;
+mod pictures;
 mod render;
+mod turntable;
 mod usage;
 
 /// What one run left.
