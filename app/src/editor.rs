@@ -1,7 +1,7 @@
 //! The document and the view settings: everything the user can change, and the scene they make together.
 
-use crate::picture_job::Place;
 use crate::files::{self, OpenedMaterial};
+use crate::picture_job::Place;
 use burnish_assets::Environment;
 use burnish_material::{Material, MaterialFile, PROPERTIES};
 use burnish_renderer::path::StopRules;

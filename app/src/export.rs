@@ -153,7 +153,6 @@ pub fn write(path: &Path, picture: &Picture, display: Display) -> Result<Vec<Pat
     Ok(files.into_iter().map(|(path, _)| path).collect())
 }
 
-
 /// The job of the raw picture of a denoised one.
 fn without_denoising(mut job: serde_json::Value) -> serde_json::Value {
     for key in ["denoiser", "denoise"] {
@@ -177,7 +176,11 @@ mod tests {
             pixels: (0..6).map(|i| [i as f32 * 100_000.0, 0.25, 0.0, 0.5]).collect(),
             has_alpha: true,
             raw: None,
-            layers: vec![Layer { kind: LayerKind::Depth, part: None, planes: vec![vec![1.0, 2.0, 3.0, f32::INFINITY, 0.0, 1.0]] }],
+            layers: vec![Layer {
+                kind: LayerKind::Depth,
+                part: None,
+                planes: vec![vec![1.0, 2.0, 3.0, f32::INFINITY, 0.0, 1.0]],
+            }],
             job: Some(json!({ "seed": 7, "material": "Käse 🧀" })),
             precision: Precision::default(),
         }

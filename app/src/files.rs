@@ -100,7 +100,11 @@ impl std::error::Error for FilesError {
         match self {
             Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
             Self::Material { source, .. } => Some(source),
-            Self::NotFile { .. } | Self::TooLarge { .. } | Self::Differs { .. } | Self::NotText { .. } | Self::NoMaterial { .. } => None,
+            Self::NotFile { .. }
+            | Self::TooLarge { .. }
+            | Self::Differs { .. }
+            | Self::NotText { .. }
+            | Self::NoMaterial { .. } => None,
         }
     }
 }
@@ -215,13 +219,11 @@ pub fn open_material(path: &Path) -> Result<OpenedMaterial, FilesError> {
 /// returns where its images came from, by the path that the material names.
 ///
 /// A strange value, or an image that is not there any more or has changed, is a warning; a picture without a material is an error.
-pub fn open_embedded(
-    path: &Path,
-    job: Option<&PictureJob>,
-) -> Result<(OpenedMaterial, Vec<(String, PathBuf)>), FilesError> {
+pub fn open_embedded(path: &Path, job: Option<&PictureJob>) -> Result<(OpenedMaterial, Vec<(String, PathBuf)>), FilesError> {
     let missing = || FilesError::NoMaterial { path: path.to_path_buf() };
     let (job, text) = job.and_then(|job| Some((job, job.material.as_deref()?))).ok_or_else(missing)?;
-    let (file, warnings) = MaterialFile::parse(text).map_err(|source| FilesError::Material { path: path.to_path_buf(), source })?;
+    let (file, warnings) =
+        MaterialFile::parse(text).map_err(|source| FilesError::Material { path: path.to_path_buf(), source })?;
     let mut warnings: Vec<String> = warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
     let folder = picture_job::folder_of(path);
     let (mut textures, mut places) = (TextureSet::new(), Vec::new());

@@ -96,7 +96,9 @@ impl fmt::Display for PictureError {
                 path.display(),
                 MAX_JOB_BYTES >> 20
             ),
-            Self::Job { path, source } => write!(f, "{}: what it says about how it was made cannot be read: {source}", path.display()),
+            Self::Job { path, source } => {
+                write!(f, "{}: what it says about how it was made cannot be read: {source}", path.display())
+            }
             Self::NotFinite { path, at: [x, y] } => {
                 write!(f, "{}: expected finite values, found another in column {x} of row {y}", path.display())
             }

@@ -256,7 +256,8 @@ impl PictureJob {
         let (by, error) = (if self.program.is_empty() { "another version" } else { &self.program }, self.relmse_estimate);
         let noise = error.map_or_else(String::new, |relmse| format!(", which was about {:.1} %", 100.0 * relmse.max(0.0).sqrt()));
         let known = burnish_renderer::PICTURE_CHANGES.get((self.picture_version as usize).saturating_sub(1)..);
-        let changes = known.filter(|changes| !changes.is_empty()).map_or_else(String::new, |changes| format!(": {}", changes.join("; ")));
+        let changes =
+            known.filter(|changes| !changes.is_empty()).map_or_else(String::new, |changes| format!(": {}", changes.join("; ")));
         Some(format!(
             "was made by {by} (pictures of version {}); {PROGRAM} makes pictures of version {PICTURE_VERSION}{changes}. \
              Material, scene and samples are the same, but the noise may differ, and brightness within the error{noise}",

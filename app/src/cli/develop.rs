@@ -43,8 +43,13 @@ pub fn develop(
     messages: &mut Messages,
 ) -> Result<(Picture, Option<DenoiseReport>), CliError> {
     let film = exposed.film;
-    let developed =
-        |mean: &[[f32; 3]]| if options.transparent { without_background(exposed.scene, mean, film, [0, 0], [film.width, film.height]) } else { opaque(mean) };
+    let developed = |mean: &[[f32; 3]]| {
+        if options.transparent {
+            without_background(exposed.scene, mean, film, [0, 0], [film.width, film.height])
+        } else {
+            opaque(mean)
+        }
+    };
     let mut pixels = developed(&film.mean());
     let (mut raw, mut denoised) = (None, None);
     if let Some(choice) = options.denoise

@@ -47,8 +47,7 @@ pub(super) fn final_view(
     if let [whole] = parts[..] {
         let rendering = camera.expose(whole)?;
         let film = &rendering.film;
-        let exposed =
-            Exposed { scene: &loaded.scene, prepared: &prepared, film, seed: settings.seed, threads: settings.threads };
+        let exposed = Exposed { scene: &loaded.scene, prepared: &prepared, film, seed: settings.seed, threads: settings.threads };
         let (picture, denoised) = develop(&exposed, options, messages)?;
         return Ok(Rendered { denoised, ..rendered(arguments, loaded, again, picture, &[told(&rendering)]) });
     }
@@ -56,8 +55,7 @@ pub(super) fn final_view(
     let mut all = Vec::new();
     for part in parts {
         let rendering = camera.expose(part)?;
-        let of_part =
-            develop_tile(&loaded.scene, &rendering.film, options, part.at, [loaded.width, loaded.height]);
+        let of_part = develop_tile(&loaded.scene, &rendering.film, options, part.at, [loaded.width, loaded.height]);
         tiles::put(&mut pixels, loaded.width, part, &of_part);
         all.push(told(&rendering));
     }
@@ -194,4 +192,3 @@ pub(super) fn left_out(scene: &Scene) -> Vec<String> {
     }
     path::unsupported(&scene)
 }
-

@@ -47,7 +47,11 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
         let place = format!("preset:{}", preset.name);
         let (file, warnings) = preset.parse().map_err(|error| CliError::unusable(format!("{place}: {error}")))?;
         report(&place, &warnings, messages)?;
-        return Ok(LoadedMaterial { material: Arc::new(file.material().clone()), file: Some(Arc::new(file)), ..LoadedMaterial::default() });
+        return Ok(LoadedMaterial {
+            material: Arc::new(file.material().clone()),
+            file: Some(Arc::new(file)),
+            ..LoadedMaterial::default()
+        });
     }
 
     let path = Path::new(text);

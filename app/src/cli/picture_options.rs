@@ -99,7 +99,8 @@ impl PictureOptions {
         job.aov = self.aov.iter().map(|kind| kind.word().to_owned()).collect();
         job.bits = self.bits.unwrap_or(8);
         job.half = self.half;
-        let word = |choice: Denoise| Denoise::WORDS.iter().find(|(known, _)| *known == choice).map(|(_, word)| (*word).to_owned());
+        let word =
+            |choice: Denoise| Denoise::WORDS.iter().find(|(known, _)| *known == choice).map(|(_, word)| (*word).to_owned());
         job.denoise = self.denoise.and_then(word);
     }
 

@@ -52,7 +52,9 @@ pub(super) fn preview(
         tiles::of_side(width, height, side)
     };
     if again.is_some_and(|again| again.samples.len() != parts.len()) {
-        return Err(CliError::unusable("the picture was drawn in other parts than this adapter draws, so that it cannot be made again"));
+        return Err(CliError::unusable(
+            "the picture was drawn in other parts than this adapter draws, so that it cannot be made again",
+        ));
     }
     let mut pixels = vec![[0.0; 4]; width * height];
     let (mut frames_of_parts, mut stop_reason, mut first_image_seconds) = (Vec::new(), "converged", 0.0);
@@ -70,8 +72,7 @@ pub(super) fn preview(
         let mut drawn = 0;
         let reason = loop {
             let [columns, rows] = part.size.map(|side| side as u32);
-            let would_refine =
-                preview.render_more(&device, &queue, columns, rows, Display::default()).map_err(unusable)?;
+            let would_refine = preview.render_more(&device, &queue, columns, rows, Display::default()).map_err(unusable)?;
             drawn += 1;
             if first_image_seconds == 0.0 {
                 first_image_seconds = load_seconds + start.elapsed().as_secs_f64();

@@ -117,8 +117,7 @@ impl RenderArguments {
     fn repeated(&self) -> Option<&str> {
         let material = self.material.as_deref().filter(|text| burnish_assets::is_image_path(Path::new(text)))?;
         let scene = SceneOptions { threads: self.scene.threads, ..SceneOptions::default() };
-        let plain =
-            Self { material: self.material.clone(), out: self.out.clone(), json: self.json, scene, ..Self::default() };
+        let plain = Self { material: self.material.clone(), out: self.out.clone(), json: self.json, scene, ..Self::default() };
         (*self == plain).then_some(material)
     }
 
@@ -293,4 +292,3 @@ fn view(word: &str) -> Result<View, String> {
         _ => Err("expected final or preview".to_owned()),
     }
 }
-

@@ -34,7 +34,8 @@ impl Repeat {
     pub fn denoiser_note(&self, now: Option<&DenoiseReport>) -> Option<String> {
         let (before, now) = (self.denoiser.as_deref()?, now.map_or("none", |report| report.denoiser.as_str()));
         let picture = self.picture.display();
-        (before != now).then(|| format!("{picture}: was denoised by {before}, and now by {now}: only the raw picture is the same"))
+        (before != now)
+            .then(|| format!("{picture}: was denoised by {before}, and now by {now}: only the raw picture is the same"))
     }
 
     /// What is to be said where another adapter draws than before.

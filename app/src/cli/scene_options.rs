@@ -167,7 +167,9 @@ impl SceneOptions {
         let loaded = self.load_tiled(material, default, messages)?;
         if loaded.width * loaded.height > MAX_PIXELS {
             let (width, height) = (loaded.width, loaded.height);
-            return Err(CliError::unusable(format!("--size: expected at most {MAX_PIXELS} (2^24) pixels in all, found {width} x {height}")));
+            return Err(CliError::unusable(format!(
+                "--size: expected at most {MAX_PIXELS} (2^24) pixels in all, found {width} x {height}"
+            )));
         }
         Ok(loaded)
     }
@@ -278,7 +280,8 @@ impl SceneOptions {
             None => {}
         }
         if let Some(text) = &self.environment {
-            scene.environment = EnvironmentLight { map: Arc::new(environment(text, origin, messages)?), rotation_deg: 0.0, scale: 1.0 };
+            scene.environment =
+                EnvironmentLight { map: Arc::new(environment(text, origin, messages)?), rotation_deg: 0.0, scale: 1.0 };
         }
         if let Some(orbit) = self.camera {
             scene.camera = orbit.around(scene.camera.target, scene.camera.fov_deg);

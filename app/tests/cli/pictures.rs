@@ -40,7 +40,8 @@ fn change_job(from: &Path, to: &Path, change: impl Fn(&str) -> String) {
 fn a_picture_made_again_is_the_same_whatever_ended_it() {
     let place = Place::new();
     let scene = ["--scene", "scenes/quad.json", "--size", "40x36", "--seed", "11"];
-    let ball = ["preset:gold, POLISHED", "--mesh", "torus", "--size", "36x30", "--rotate-environment", "33", "--camera", "20,10,6"];
+    let ball =
+        ["preset:gold, POLISHED", "--mesh", "torus", "--size", "36x30", "--rotate-environment", "33", "--camera", "20,10,6"];
     let cases: &[(&[&str], &[&str])] = &[
         (&["red.asm.ron", "--error", "8%", "--aov", "samples,albedo", "--half"], &scene),
         (&["--time", "0.4", "--transparent", "--set", "roughness=0.3"], &scene),
@@ -67,8 +68,13 @@ fn a_picture_made_again_is_the_same_whatever_ended_it() {
     is_fine(&place.run(&["render", "first.exr", "--out", "other.png"]));
     assert!(fs::read(place.path("other.png")).unwrap() == fs::read(place.path("first.png")).unwrap());
     fs::create_dir(place.path("sub")).unwrap();
-    let run: Run =
-        place.command().current_dir(place.path("sub")).args(["render", "../first.exr", "--out", "a.exr"]).output().unwrap().into();
+    let run: Run = place
+        .command()
+        .current_dir(place.path("sub"))
+        .args(["render", "../first.exr", "--out", "a.exr"])
+        .output()
+        .unwrap()
+        .into();
     is_fine(&run);
     assert!(planes(&place.path("sub/a.exr")) == planes(&place.path("first.exr")));
 }
@@ -81,14 +87,30 @@ fn all_passes_are_layers_and_lobes_sum_to_the_picture() {
     is_fine(&place.render(&[&words[..], &["--out", "a.exr"]].concat()));
     let planes_of = planes(&place.path("a.exr"));
     for name in [
-        "R", "albedo.R", "normal.Z", "depth.Z", "position.X", "emission.G", "lobes.coat.R", "lobes.diffuse.B", "lobes.emission.R",
-        "lobes.through.R", "samples.V", "error.V", "variance.R",
+        "R",
+        "albedo.R",
+        "normal.Z",
+        "depth.Z",
+        "position.X",
+        "emission.G",
+        "lobes.coat.R",
+        "lobes.diffuse.B",
+        "lobes.emission.R",
+        "lobes.through.R",
+        "samples.V",
+        "error.V",
+        "variance.R",
     ] {
         assert!(planes_of.contains_key(name), "{name}: {:?}", planes_of.keys());
     }
     let middle = 32 * 16 + 16;
     let at = |name: &str| planes_of[name][middle];
-    assert!((at("emission.R") - 0.5).abs() < 1e-6 && (at("position.Z")).abs() < 1e-3, "{} {}", at("emission.R"), at("position.Z"));
+    assert!(
+        (at("emission.R") - 0.5).abs() < 1e-6 && (at("position.Z")).abs() < 1e-3,
+        "{} {}",
+        at("emission.R"),
+        at("position.Z")
+    );
     // The pixel's middle lies half a pixel right of the picture's.
     assert!(at("position.X") > 0.0 && at("position.X") < 0.2 && at("position.Y") < 0.0);
     for channel in ["R", "G", "B"] {
@@ -133,7 +155,10 @@ fn what_a_picture_needs_must_be_what_it_was() {
     // With another option it is only the material.
     let other = place.run(&["render", "a.exr", "--size", "8x8", "--spp", "1", "--out", "c.exr", "--json"]);
     is_fine(&other);
-    assert_eq!((&other.json()["width"], job(&place.path("c.exr"))["material"].as_str()), (&8.into(), job(&place.path("a.exr"))["material"].as_str()));
+    assert_eq!(
+        (&other.json()["width"], job(&place.path("c.exr"))["material"].as_str()),
+        (&8.into(), job(&place.path("a.exr"))["material"].as_str())
+    );
     assert_eq!(job(&place.path("a.exr"))["material"].as_str(), fs::read_to_string(place.path("mapped.asm.ron")).ok().as_deref());
     for (file, what) in [("meshes/quad.ply", "mesh"), ("env/grey.exr", "environment"), ("map.png", "image")] {
         let bytes = fs::read(place.path(file)).unwrap();
@@ -157,7 +182,9 @@ fn pictures_of_other_versions_say_how_they_may_differ() {
     let place = Place::new();
     is_fine(&place.render(&["--spp", "4", "--out", "a.exr"]));
     let (a, old) = (place.path("a.exr"), place.path("old.exr"));
-    change_job(&a, &old, |job| job.replace("\"picture_version\":1", "\"picture_version\":0").replace("Burnish 0.1.0", "Burnish 0.0.1"));
+    change_job(&a, &old, |job| {
+        job.replace("\"picture_version\":1", "\"picture_version\":0").replace("Burnish 0.1.0", "Burnish 0.0.1")
+    });
     let run = place.run(&["render", "old.exr", "--out", "b.exr"]);
     is_fine(&run);
     for text in ["old.exr", "Burnish 0.0.1", "version 0", "noise may differ", "within the error"] {

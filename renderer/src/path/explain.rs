@@ -206,15 +206,7 @@ impl Book<'_> {
 }
 
 /// Follows samples of a pixel to their ends.
-fn follow(
-    prepared: &Prepared,
-    view: &View,
-    pixel: u32,
-    samples: Range<u32>,
-    seed: u64,
-    batch: &mut Batch,
-    ledger: &mut Ledger,
-) {
+fn follow(prepared: &Prepared, view: &View, pixel: u32, samples: Range<u32>, seed: u64, batch: &mut Batch, ledger: &mut Ledger) {
     let places: Vec<Place> = samples.clone().map(|sample| Place { cell: 0, pixel, sample }).collect();
     let tile = Tile { places: &places };
     let room = 2 * places.len();

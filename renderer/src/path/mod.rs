@@ -64,7 +64,8 @@ pub use film::{Film, REPLICATES};
 pub(crate) use flat::Flat;
 pub use prepared::Prepared;
 pub use render::{
-    Kept, KeptError, Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, Tile, render, render_prepared, render_tile, repeat,
+    Kept, KeptError, Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, Tile, render, render_prepared, render_tile,
+    repeat,
 };
 pub use schedule::render_pass;
 

@@ -350,7 +350,8 @@ impl<'a> Run<'a> {
 
     /// The first sample of every pixel. Where time is short, a coarse lattice comes first, then as much of finer ones as fits.
     fn first(&mut self) -> Result<Vec<Quota>, StopReason> {
-        let Some(limit) = self.settings.stop.seconds else { return Ok(self.film.evenly(1)) };
+        // All that have none yet: what goes on may have begun with a time limit.
+        let Some(limit) = self.settings.stop.seconds else { return Ok(self.film.lattice(1)) };
         if self.film.total_samples() == 0 {
             return Ok(self.film.lattice(LATTICE));
         }
@@ -651,6 +652,13 @@ mod tests {
         let on = kept.go_on(&prepared, &settings(by(2e-3)), Instant::now(), &mut |_| true).expect("it is of this size");
         assert!(on.film.mean() == through.film.mean() && on.film.samples() == through.film.samples());
         assert_eq!((on.error, on.stop_reason), (through.error, StopReason::Error));
+        // The same from the very beginning, with a time limit that was over before every pixel had a sample.
+        let early = settings(StopRules { seconds: Some(1e3), ..StopRules::default() });
+        let begun = render_prepared(&prepared, &early, Instant::now(), &mut |_| false);
+        assert_eq!(begun.film.spp(), 0);
+        let kept = Kept::read(&begun.keep()).expect("it was just made");
+        let on = kept.go_on(&prepared, &settings(by(2e-3)), Instant::now(), &mut |_| true).expect("it is of this size");
+        assert!(on.film.mean() == through.film.mean() && on.film.samples() == through.film.samples());
         // Damage is found, wherever it is.
         for at in [0, 9, 40, bytes.len() / 2, bytes.len() - 1] {
             let mut damaged = bytes.clone();

@@ -1,7 +1,7 @@
 //! What differs from picture to picture: the place within the pixel, the stretch of samples, and the camera.
 
-use super::{Crop, Preview};
 use super::upload::FrameBlock;
+use super::{Crop, Preview};
 use crate::bsdf::interpret;
 use crate::scene::Scene;
 use burnish_material::{LobeSet, Property};

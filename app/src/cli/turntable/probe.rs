@@ -96,11 +96,11 @@ impl Prediction {
     /// One line for people, for so many frames.
     pub(super) fn text(&self, frames: usize) -> String {
         let rows = self.rows();
-        let goal = |target: Option<f64>| target.map_or("with these rules".to_owned(), |t| format!("at {:.3} %", 100.0 * t.sqrt()));
+        let goal =
+            |target: Option<f64>| target.map_or("with these rules".to_owned(), |t| format!("at {:.3} %", 100.0 * t.sqrt()));
         let goal = |target: Option<f64>| goal(target).replace(".000 %", " %");
-        let part = |(target, mean, ..): &(Option<f64>, f64, usize, f64)| {
-            format!("{} {}", duration(mean * frames as f64), goal(*target))
-        };
+        let part =
+            |(target, mean, ..): &(Option<f64>, f64, usize, f64)| format!("{} {}", duration(mean * frames as f64), goal(*target));
         let slowest = rows.first().map_or_else(String::new, |(target, _, slowest, seconds)| {
             format!("; the slowest, {}, {} {}", self.probes[*slowest].name, duration(*seconds), goal(*target))
         });

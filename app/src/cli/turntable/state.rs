@@ -90,13 +90,17 @@ impl State {
         }
         let shown = path.display();
         if !resume {
-            return Err(CliError::unusable(format!("{shown}: expected a folder without a turntable, or --resume to go on with this one")));
+            return Err(CliError::unusable(format!(
+                "{shown}: expected a folder without a turntable, or --resume to go on with this one"
+            )));
         }
         let text = read_text_file(&path, MAX_BYTES).map_err(CliError::unusable)?;
         let content: Content =
             serde_json::from_str(&text).map_err(|error| CliError::unusable(format!("{shown}: expected a turntable: {error}")))?;
         if let Some(key) = difference("", &content.settings, &new.settings) {
-            return Err(CliError::unusable(format!("--resume: {shown}: was begun with another `{key}`; expected the same options")));
+            return Err(CliError::unusable(format!(
+                "--resume: {shown}: was begun with another `{key}`; expected the same options"
+            )));
         }
         Ok(Self { path, content })
     }

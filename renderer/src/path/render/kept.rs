@@ -140,7 +140,9 @@ impl Kept {
         start: Instant,
         progress: &mut dyn FnMut(&Progress<'_>) -> bool,
     ) -> Result<Rendering, KeptError> {
-        if [self.film.width, self.film.height] != [settings.width, settings.height] || self.film.window.full != [settings.width, settings.height] {
+        if [self.film.width, self.film.height] != [settings.width, settings.height]
+            || self.film.window.full != [settings.width, settings.height]
+        {
             return Err(KeptError::Size([self.film.width, self.film.height]));
         }
         let mut run = Run::of_film(prepared, *settings, self.film);
