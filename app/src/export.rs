@@ -166,7 +166,7 @@ fn without_denoising(mut job: serde_json::Value) -> serde_json::Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use exr::prelude::read_all_flat_layers_from_file;
+    use exr::prelude::{Text, read_all_flat_layers_from_file};
     use serde_json::json;
 
     fn picture() -> Picture {

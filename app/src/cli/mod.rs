@@ -19,6 +19,7 @@ mod progress_line;
 pub mod render;
 mod repeat;
 pub mod scene_options;
+mod scene_origin;
 mod set;
 pub mod stability;
 mod suggest;

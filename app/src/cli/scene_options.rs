@@ -1,15 +1,16 @@
 //! Options that say what is drawn: mesh, light, camera, changed values, size. Shared by all commands that render.
 
 use super::material_argument::{self, LoadedMaterial};
+use super::scene_origin::Origin;
 use super::set::{Assignment, parse_number, parse_triple};
 use super::{CliError, Messages, interrupt, suggest};
-use crate::picture_job::{PictureJob, Place, SceneSource, Source, Texture};
+use crate::picture_job::Place;
 use crate::scene_file::{DOCUMENT_MATERIAL, MAX_PIXELS, MAX_SIDE, MAX_TILED_PIXELS, load_scene};
 use burnish_assets::{
     ENVIRONMENTS, Environment, Model, SHAPES, is_environment_path, is_model_path, load_environment, load_model, make_environment,
     make_shape,
 };
-use burnish_material::{Material, MaterialFile};
+use burnish_material::Material;
 use burnish_renderer::scene::{Camera, EnvironmentLight, ModelMeshes, Object, Scene};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -84,61 +85,10 @@ pub struct LoadedScene {
     /// Pixels.
     pub height: usize,
     /// Where its parts came from.
-    origin: Origin,
-}
-
-/// Where the parts of a scene came from.
-#[derive(Clone, Debug, Default)]
-struct Origin {
-    mesh: Option<Place>,
-    environment: Option<Place>,
-    scene: Option<PathBuf>,
-    assets: Vec<PathBuf>,
-    replaces_material: bool,
-    unit_mm: Option<f64>,
-    file: Option<Arc<MaterialFile>>,
-    texture_files: Vec<(String, PathBuf)>,
-    turn_deg: f64,
+    pub(super) origin: Origin,
 }
 
 impl LoadedScene {
-    /// The same with the objects turned about the vertical, degrees.
-    #[must_use]
-    pub fn turned(mut self, deg: f64) -> Self {
-        self.scene = self.scene.turned(deg);
-        self.origin.turn_deg = deg;
-        self
-    }
-
-    /// By how much the objects were turned, degrees.
-    pub fn turn_deg(&self) -> f64 {
-        self.origin.turn_deg
-    }
-
-    /// Notes what a picture in `folder` has to say about its scene and material. Reads all files of the scene.
-    pub fn describe(&self, job: &mut PictureJob, folder: Option<&Path>) {
-        let origin = &self.origin;
-        let source = |place: &Option<Place>| place.as_ref().map(|place| place.source(folder));
-        job.size = [self.width, self.height];
-        job.scene = SceneSource {
-            mesh: source(&origin.mesh),
-            environment: source(&origin.environment),
-            scene: origin.scene.as_ref().map(|path| Source::of_file(path, folder)),
-            assets: origin.assets.iter().map(|path| Source::of_file(path, folder)).collect(),
-            replaces_material: origin.replaces_material,
-            unit_mm: origin.unit_mm,
-            rotation_deg: self.scene.environment.rotation_deg,
-            turn_deg: origin.turn_deg,
-            camera: self.scene.camera.into(),
-            max_bounces: self.scene.max_bounces,
-        };
-        job.textures = origin.texture_files.iter().map(|(name, path)| Texture::of_file(name, path, folder)).collect();
-        job.material = self.material().map(|material| match &origin.file {
-            Some(file) => file.to_text(material),
-            None => MaterialFile::new(material).text().to_owned(),
-        });
-    }
-
     /// The material that the command is about; that of the first object where none carries the document.
     pub fn material(&self) -> Option<&Arc<Material>> {
         let objects = &self.scene.objects;

@@ -44,8 +44,8 @@ pub fn light_layers(
                 break;
             }
             let mut row = Vec::with_capacity(width);
-            for pixel in y * width..(y + 1) * width {
-                let (mut ledger, count) = (Ledger::default(), counts[pixel]);
+            for (pixel, &count) in counts.iter().enumerate().skip(y * width).take(width) {
+                let mut ledger = Ledger::default();
                 for first in (0..count).step_by(BATCH) {
                     let numbers = first..count.min(first + BATCH as u32);
                     follow(prepared, &view, pixel as u32, numbers, seed, &mut batch, &mut ledger);
