@@ -37,8 +37,10 @@ impl Probe {
     /// Seconds to an error; `None` where it cannot be told.
     fn seconds_to(&self, relmse: f64) -> Option<f64> {
         let last = self.history.last()?;
-        if let Some(reached) = self.history.iter().find(|point| point.relmse <= relmse) {
-            return Some(reached.seconds);
+        if let Some(i) = self.history.iter().position(|point| point.relmse <= relmse) {
+            // Between two estimates, as independent samples fall.
+            let (reached, before) = (self.history[i], self.history[..i].last().map_or(0.0, |point| point.seconds));
+            return Some((reached.seconds * reached.relmse / relmse).max(before));
         }
         let predicted = Convergence::fit(&self.history).and_then(|line| line.seconds_to(relmse));
         // Too few points for a line: independent samples.
@@ -154,7 +156,7 @@ mod tests {
         let mut prediction = Prediction { rules, probes: vec![probe("a", 0.5), probe("b", 1.0)] };
         // 0.01 after 1 s of slope 1: 100 s to 0.0001.
         let text = prediction.text(120);
-        for part in ["2 probe frames: 120 frames", "2 h 30 min at 1 %", "38 min at 2 %", "17 min at 3 %", "b, 2 min at 1 %"] {
+        for part in ["2 probe frames: 120 frames", "2 h 30 min at 1 %", "37 min at 2 %", "17 min at 3 %", "b, 2 min at 1 %"] {
             assert!(text.contains(part), "{part}: {text}");
         }
         prediction.rules.seconds = Some(10.0);
