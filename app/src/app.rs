@@ -4,6 +4,7 @@ mod actions;
 mod bars;
 mod documents;
 mod drops;
+mod job;
 mod keeping;
 mod library;
 mod pages;

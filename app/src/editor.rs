@@ -1,6 +1,7 @@
 //! The document and the view settings: everything the user can change, and the scene they make together.
 
 use crate::files::{self, OpenedMaterial};
+use crate::picture_job::Place;
 use burnish_assets::Environment;
 use burnish_material::{Material, MaterialFile, PROPERTIES};
 use burnish_renderer::path::StopRules;
@@ -316,12 +317,15 @@ pub struct Editor {
     pub model: Option<Arc<ModelMeshes>>,
     /// What lights it; `None` while the first one is being made.
     pub environment: Option<Arc<Environment>>,
+    /// Where the model and the environment came from, for pictures to say.
+    pub places: [Option<Place>; 2],
 }
 
 impl Editor {
     /// An editor of a new material.
     pub fn new() -> Self {
-        Self { document: Document::new(Material::named("New material")), view: View::default(), model: None, environment: None }
+        let document = Document::new(Material::named("New material"));
+        Self { document, view: View::default(), model: None, environment: None, places: [None, None] }
     }
 
     /// The scene that both renderers draw, for pictures of this aspect; `None` while a part of it is being made.

@@ -1,22 +1,24 @@
 //! Finished pictures as files: PNG for showing, EXR for working on. A file appears whole or not at all.
 //!
-//! PNG holds 8 bits of display-referred sRGB; EXR holds linear Rec.709 radiance as 32-bit floats, with further layers
-//! as channels `layer.CHANNEL`. Neither holds anything that differs between two runs of the same job, unless its caller writes such things
-//! into the job.
+//! PNG holds 8 or 16 bits of display-referred sRGB; EXR holds linear Rec.709 radiance as 32-bit floats or as halves, with further layers
+//! as channels `layer.CHANNEL`. Both hold what they were made from. Neither holds anything that differs between two runs of the same job, unless
+//! its caller writes such things into the job.
+
+mod exr_file;
+mod layers;
+mod png_file;
+
+pub use exr_file::exr_bytes;
+pub use layers::{Layer, LayerKind};
+pub use png_file::png_bytes;
 
 use crate::files::{FilesError, save_atomic};
 use burnish_renderer::path::ErrorEstimate;
-use burnish_renderer::tonemap::{Display, srgb_encode};
-use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer as ExrLayer, LayerAttributes, LineOrder, Text,
-    WritableImage,
-};
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use burnish_renderer::tonemap::Display;
 use std::fmt;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// Name of the EXR attribute that holds [`Picture::job`].
+/// Name of the EXR attribute, and keyword of the PNG text, that holds [`Picture::job`].
 pub const JOB_ATTRIBUTE: &str = "burnish";
 
 /// A finished picture, row by row from the top.
@@ -34,71 +36,27 @@ pub struct Picture {
     pub raw: Option<Vec<[f32; 4]>>,
     /// What else is known of each pixel.
     pub layers: Vec<Layer>,
-    /// What the picture was made from, as JSON.
+    /// What the picture was made from, as JSON: a [`crate::picture_job::PictureJob`].
     pub job: Option<serde_json::Value>,
+    /// How finely it is stored.
+    pub precision: Precision,
 }
 
-/// Further values per pixel, for compositing and for looking into.
-#[derive(Clone, Debug)]
-pub struct Layer {
-    /// What it holds; also how PNG shows it.
-    pub kind: LayerKind,
-    /// One plane of `width * height` values per channel of the kind.
-    pub planes: Vec<Vec<f32>>,
-}
-
-/// Layers that a picture can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LayerKind {
-    /// Linear colour of the surface that is seen first.
-    Albedo,
-    /// World-space shading normal of that surface; zero where there is none.
-    Normal,
-    /// Distance to that surface in scene units; not finite or 0 where there is none.
-    Depth,
-    /// Variance of the pixel's mean.
-    Variance,
-    /// Samples in the pixel.
-    Samples,
-}
-
-impl LayerKind {
-    /// All kinds with the words that options and files use.
-    pub const ALL: [(Self, &'static str); 5] = [
-        (Self::Albedo, "albedo"),
-        (Self::Normal, "normal"),
-        (Self::Depth, "depth"),
-        (Self::Variance, "variance"),
-        (Self::Samples, "samples"),
-    ];
-
-    /// The word that options and files use.
-    pub fn word(self) -> &'static str {
-        Self::ALL[self as usize].1
-    }
-
-    /// The kind that a word means, in any case.
-    pub fn from_word(word: &str) -> Option<Self> {
-        Self::ALL.iter().find(|(_, text)| text.eq_ignore_ascii_case(word)).map(|(kind, _)| *kind)
-    }
-
-    /// Names of the planes, as other programs know them.
-    pub fn channels(self) -> &'static [&'static str] {
-        match self {
-            Self::Albedo | Self::Variance => &["R", "G", "B"],
-            Self::Normal => &["X", "Y", "Z"],
-            Self::Depth => &["Z"],
-            Self::Samples => &["V"],
-        }
-    }
+/// How finely values are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Precision {
+    /// PNG with 16 bits a channel instead of 8.
+    pub is_sixteen_bit: bool,
+    /// EXR with halves instead of 32-bit floats for colours; distances, places, counts and errors stay floats.
+    pub is_half: bool,
 }
 
 /// Formats of pictures, told by the ending of the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// 8 bits, display-referred.
+    /// 8 or 16 bits, display-referred.
     Png,
-    /// 32-bit floats, linear.
+    /// Floats or halves, linear.
     Exr,
 }
 
@@ -110,6 +68,14 @@ impl Format {
             .into_iter()
             .find(|(_, word)| word.eq_ignore_ascii_case(ending))
             .map(|(format, _)| format)
+    }
+
+    /// What the numbers mean.
+    pub fn encoding(self) -> &'static str {
+        match self {
+            Self::Png => "PNG: display-referred sRGB",
+            Self::Exr => "EXR: linear Rec.709, no transform",
+        }
     }
 }
 
@@ -160,7 +126,7 @@ pub fn reached(spp: u32, stop_reason: Option<&str>, error: Option<&ErrorEstimate
 /// Writes a picture; the ending of the name tells the format.
 ///
 /// PNG has no layers: each goes to a file of its own beside it, `NAME.albedo.png`; so does the raw picture of a denoised one, `NAME.raw.png`,
-/// which EXR holds as `raw.R` and so on. All are encoded before the first is
+/// which EXR holds as `raw.R` and so on. The picture and the raw one hold the job. All are encoded before the first is
 /// written. Returns the files, the picture first.
 pub fn write(path: &Path, picture: &Picture, display: Display) -> Result<Vec<PathBuf>, ExportError> {
     let format = Format::of(path).ok_or_else(|| ExportError::UnknownFormat { path: path.to_path_buf() })?;
@@ -171,12 +137,13 @@ pub fn write(path: &Path, picture: &Picture, display: Display) -> Result<Vec<Pat
         Format::Png => {
             files.push((path.to_path_buf(), png_bytes(picture, display).map_err(failed)?));
             if let Some(raw) = &picture.raw {
-                let raw = Picture { pixels: raw.clone(), layers: Vec::new(), raw: None, ..picture.clone() };
+                let job = picture.job.clone().map(without_denoising);
+                let raw = Picture { pixels: raw.clone(), layers: Vec::new(), raw: None, job, ..picture.clone() };
                 files.push((path.with_extension("raw.png"), png_bytes(&raw, display).map_err(failed)?));
             }
             for layer in &picture.layers {
-                let beside = path.with_extension(format!("{}.png", layer.kind.word()));
-                files.push((beside, encode_png(picture, &layer_pixels(layer), ExtendedColorType::Rgb8).map_err(failed)?));
+                let beside = path.with_extension(format!("{}.png", layer.name()));
+                files.push((beside, png_file::layer_bytes(picture, layer, display).map_err(failed)?));
             }
         }
     }
@@ -186,107 +153,20 @@ pub fn write(path: &Path, picture: &Picture, display: Display) -> Result<Vec<Pat
     Ok(files.into_iter().map(|(path, _)| path).collect())
 }
 
-/// The picture as PNG. With alpha, colours are not multiplied by it, as PNG wants.
-pub fn png_bytes(picture: &Picture, display: Display) -> Result<Vec<u8>, String> {
-    if !picture.has_alpha {
-        let bytes: Vec<u8> = picture.pixels.iter().flat_map(|[r, g, b, _]| display.apply_u8([*r, *g, *b])).collect();
-        return encode_png(picture, &bytes, ExtendedColorType::Rgb8);
-    }
-    let bytes = picture.pixels.iter().flat_map(|[r, g, b, coverage]| {
-        let alpha = if coverage.is_finite() { coverage.clamp(0.0, 1.0) } else { 1.0 };
-        let unmultiplied = if alpha > 0.0 { [r, g, b].map(|x| x / alpha) } else { [0.0; 3] };
-        let [r, g, b] = display.apply_u8(unmultiplied);
-        [r, g, b, byte(alpha)]
-    });
-    encode_png(picture, &bytes.collect::<Vec<u8>>(), ExtendedColorType::Rgba8)
-}
-
-fn encode_png(picture: &Picture, bytes: &[u8], color: ExtendedColorType) -> Result<Vec<u8>, String> {
-    let side = |pixels: usize| u32::try_from(pixels).map_err(|_| format!("{pixels} pixels are more than PNG can hold"));
-    let mut file = Vec::new();
-    PngEncoder::new(&mut file)
-        .write_image(bytes, side(picture.width)?, side(picture.height)?, color)
-        .map_err(|error| error.to_string())?;
-    Ok(file)
-}
-
-fn byte(x: f32) -> u8 {
-    (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
-}
-
-/// A layer made visible: colours through the sRGB curve, normals from -1..1, variance as the standard deviation, the
-/// nearest depth white and the farthest dark, samples relative to the most.
-fn layer_pixels(layer: &Layer) -> Vec<u8> {
-    let count = layer.planes.first().map_or(0, Vec::len);
-    let value = |channel: usize, i: usize| {
-        let plane = layer.planes.get(channel).or(layer.planes.first());
-        plane.and_then(|plane| plane.get(i)).copied().unwrap_or(0.0)
-    };
-    let is_depth = |d: &f32| d.is_finite() && *d > 0.0;
-    let first = layer.planes.first().map_or(&[][..], Vec::as_slice);
-    let nearest = first.iter().copied().filter(is_depth).fold(f32::INFINITY, f32::min);
-    let largest = first.iter().copied().filter(|x| x.is_finite()).fold(0.0, f32::max);
-    let shown = |channel: usize, i: usize| {
-        let x = value(channel, i);
-        byte(match layer.kind {
-            LayerKind::Albedo => srgb_encode(x),
-            LayerKind::Normal => 0.5 + 0.5 * x,
-            LayerKind::Variance => srgb_encode(x.max(0.0).sqrt()),
-            LayerKind::Samples => x / largest.max(1.0),
-            // A picture of one depth is white, so the range is not divided by if it is empty.
-            LayerKind::Depth if is_depth(&x) => 1.0 - 0.8 * (x - nearest) / (largest - nearest).max(f32::MIN_POSITIVE),
-            LayerKind::Depth => 0.0,
-        })
-    };
-    (0..count).flat_map(|i| [shown(0, i), shown(1, i), shown(2, i)]).collect()
-}
-
-/// The picture as EXR with its layers. Colours are multiplied by alpha, as EXR wants.
-pub fn exr_bytes(picture: &Picture) -> Result<Vec<u8>, String> {
-    let channels = if picture.has_alpha { 4 } else { 3 };
-    let colors = |prefix: &'static str, pixels: &[[f32; 4]]| {
-        let plane = |c: usize| FlatSamples::F32(pixels.iter().map(|pixel| pixel[c]).collect());
-        let channel = |(c, name): (usize, &&str)| AnyChannel::new(format!("{prefix}{name}").as_str(), plane(c));
-        ["R", "G", "B", "A"].iter().enumerate().take(channels).map(channel).collect::<Vec<_>>()
-    };
-    let raw = picture.raw.iter().flat_map(|raw| colors("raw.", raw));
-    let layers = picture.layers.iter().flat_map(|layer| {
-        let channels = layer.kind.channels().iter().zip(&layer.planes);
-        channels.map(|(name, values)| {
-            AnyChannel::new(format!("{}.{name}", layer.kind.word()).as_str(), FlatSamples::F32(values.clone()))
-        })
-    });
-    let channels = AnyChannels::sort(colors("", &picture.pixels).into_iter().chain(raw).chain(layers).collect());
-
-    let mut attributes = LayerAttributes { software_name: Text::new_or_none("Burnish"), ..LayerAttributes::default() };
-    // One attribute only: the library keeps others in a map whose order changes from run to run.
-    if let Some(job) = picture.job.as_ref().and_then(|job| Text::new_or_none(ascii(&job.to_string()))) {
-        attributes.other.insert(Text::from(JOB_ATTRIBUTE), exr::meta::attribute::AttributeValue::Text(job));
-    }
-    let encoding = Encoding { compression: Compression::ZIP16, line_order: LineOrder::Increasing, ..Encoding::SMALL_LOSSLESS };
-    let layer = ExrLayer::new((picture.width, picture.height), attributes, encoding, channels);
-    let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer).write().to_buffered(&mut file).map_err(|error| error.to_string())?;
-    Ok(file.into_inner())
-}
-
-/// JSON with everything beyond ASCII escaped: EXR texts have one byte per character.
-fn ascii(json: &str) -> String {
-    let mut text = String::with_capacity(json.len());
-    for c in json.chars() {
-        if c.is_ascii() {
-            text.push(c);
-        } else {
-            text.extend(c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")));
+/// The job of the raw picture of a denoised one.
+fn without_denoising(mut job: serde_json::Value) -> serde_json::Value {
+    for key in ["denoiser", "denoise"] {
+        if let Some(value) = job.get_mut(key) {
+            *value = serde_json::Value::Null;
         }
     }
-    text
+    job
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use exr::prelude::read_all_flat_layers_from_file;
+    use exr::prelude::{Text, read_all_flat_layers_from_file};
     use serde_json::json;
 
     fn picture() -> Picture {
@@ -296,8 +176,13 @@ mod tests {
             pixels: (0..6).map(|i| [i as f32 * 100_000.0, 0.25, 0.0, 0.5]).collect(),
             has_alpha: true,
             raw: None,
-            layers: vec![Layer { kind: LayerKind::Depth, planes: vec![vec![1.0, 2.0, 3.0, f32::INFINITY, 0.0, 1.0]] }],
+            layers: vec![Layer {
+                kind: LayerKind::Depth,
+                part: None,
+                planes: vec![vec![1.0, 2.0, 3.0, f32::INFINITY, 0.0, 1.0]],
+            }],
             job: Some(json!({ "seed": 7, "material": "Käse 🧀" })),
+            precision: Precision::default(),
         }
     }
 

@@ -4,6 +4,8 @@
 
 use crate::cli::suggest;
 use burnish_assets::{BuiltInTexture, Image, TextureError, TextureMaker};
+use crate::content_hash;
+use crate::picture_job::{self, PictureJob};
 use burnish_material::{FileError, MAX_FILE_BYTES, Material, MaterialFile, Warning};
 use burnish_renderer::scene::TextureSet;
 use std::ffi::OsString;
@@ -57,6 +59,11 @@ pub enum FilesError {
         /// The file.
         path: PathBuf,
     },
+    /// The file holds no material.
+    NoMaterial {
+        /// The file.
+        path: PathBuf,
+    },
     /// The text is not a material.
     Material {
         /// The file.
@@ -74,11 +81,17 @@ impl fmt::Display for FilesError {
             Self::TooLarge { path, max_bytes } => {
                 write!(f, "{}: expected a file of at most {max_bytes} bytes, found a larger one", path.display())
             }
+            Self::Write { path, source } if source.kind() == std::io::ErrorKind::StorageFull => {
+                write!(f, "{}: cannot be written: the disk is full; make room or choose another place", path.display())
+            }
             Self::Write { path, source } => write!(f, "{}: cannot be written: {source}", path.display()),
             Self::Differs { path } => {
                 write!(f, "{}: not saved, because what was read back differs from what was written", path.display())
             }
             Self::NotText { path } => write!(f, "{}: expected text in UTF-8, found other bytes", path.display()),
+            Self::NoMaterial { path } => {
+                write!(f, "{}: expected a material, or a picture that this program made of one, found neither", path.display())
+            }
             Self::Material { path, source } => write!(f, "{}: {source}", path.display()),
         }
     }
@@ -89,7 +102,11 @@ impl std::error::Error for FilesError {
         match self {
             Self::Read { source, .. } | Self::Write { source, .. } => Some(source),
             Self::Material { source, .. } => Some(source),
-            Self::NotFile { .. } | Self::TooLarge { .. } | Self::Differs { .. } | Self::NotText { .. } => None,
+            Self::NotFile { .. }
+            | Self::TooLarge { .. }
+            | Self::Differs { .. }
+            | Self::NotText { .. }
+            | Self::NoMaterial { .. } => None,
         }
     }
 }
@@ -198,6 +215,34 @@ pub fn open_material(path: &Path) -> Result<OpenedMaterial, FilesError> {
     let (textures, missing) = load_textures(file.material(), path.parent());
     warnings.extend(missing);
     Ok(OpenedMaterial { path: Some(path.to_path_buf()), file, warnings, textures: Arc::new(textures) })
+}
+
+/// Opens the material that a picture of ours was made from: a new document without a file, since the picture is not to be saved over. Also
+/// returns where its images came from, by the path that the material names.
+///
+/// A strange value, or an image that is not there any more or has changed, is a warning; a picture without a material is an error.
+pub fn open_embedded(path: &Path, job: Option<&PictureJob>) -> Result<(OpenedMaterial, Vec<(String, PathBuf)>), FilesError> {
+    let missing = || FilesError::NoMaterial { path: path.to_path_buf() };
+    let (job, text) = job.and_then(|job| Some((job, job.material.as_deref()?))).ok_or_else(missing)?;
+    let (file, warnings) =
+        MaterialFile::parse(text).map_err(|source| FilesError::Material { path: path.to_path_buf(), source })?;
+    let mut warnings: Vec<String> = warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
+    let folder = picture_job::folder_of(path);
+    let (mut textures, mut places) = (TextureSet::new(), Vec::new());
+    for texture in &job.textures {
+        let place = texture_path(&texture.file, folder.as_deref());
+        match burnish_assets::load_image(&place) {
+            Ok(image) => {
+                if content_hash::of_file(&place).ok().as_ref() != Some(&texture.hash) {
+                    warnings.push(format!("{}: has changed since {} was made", place.display(), path.display()));
+                }
+                textures.insert(texture.name.clone(), Arc::new(image));
+                places.push((texture.name.clone(), place));
+            }
+            Err(error) => warnings.push(format!("{}: the value is used instead of the texture: {error}", path.display())),
+        }
+    }
+    Ok((OpenedMaterial { path: None, file, warnings, textures: Arc::new(textures) }, places))
 }
 
 /// Loads or makes every image that a material names. Relative paths start at `folder`, or at the current one.

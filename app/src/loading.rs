@@ -1,6 +1,7 @@
 //! Files and built-in scenes, read and made in the background. The window only collects what is finished.
 
 use crate::files::{self, OpenedMaterial};
+use crate::picture_file::embedded_job;
 use crate::texture_set;
 use burnish_assets::{Environment, Image};
 use burnish_material::{Channel, Material, Property};
@@ -14,6 +15,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 pub enum Job {
     /// A material file to open.
     Material(PathBuf),
+    /// A picture of ours, whose material is to be opened.
+    Picture(PathBuf),
     /// A material file that another program has changed, for the document of this number.
     Reload(u64, PathBuf),
     /// A material file to compare the document of this number with.
@@ -101,6 +104,7 @@ impl Job {
         let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         match self {
             Self::Material(path)
+            | Self::Picture(path)
             | Self::Reload(_, path)
             | Self::Compare(_, path)
             | Self::Apply(_, path)
@@ -124,6 +128,13 @@ impl Job {
                     Loaded::Material(Box::new(opened))
                 })
             }
+            Self::Picture(path) => embedded_job(path)
+                .map_err(|error| error.to_string())
+                .and_then(|job| files::open_embedded(path, job.as_ref()).map_err(|error| error.to_string()))
+                .map(|(mut opened, _)| {
+                    warnings.append(&mut opened.warnings);
+                    Loaded::Material(Box::new(opened))
+                }),
             Self::Textures(_, material, folder) => {
                 let (textures, missing) = files::load_textures(material, folder.as_deref());
                 warnings = missing;

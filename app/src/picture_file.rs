@@ -1,12 +1,18 @@
-//! Finished pictures read back, ours or of other programs, to be compared.
+//! Finished pictures read back, ours or of other programs: to be compared, or for what they were made from.
 
-use crate::export::{JOB_ATTRIBUTE, LayerKind};
+use crate::export::{Format, JOB_ATTRIBUTE, LayerKind};
+use crate::picture_job::PictureJob;
 use burnish_assets::{AssetError, load_image};
 use burnish_renderer::tonemap::{Display, srgb_decode, srgb_encode};
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{Text, read_first_flat_layer_from_file};
 use std::fmt;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
+
+/// Longest job that is read: one with the largest material, every character escaped.
+pub const MAX_JOB_BYTES: usize = 64 << 20;
 
 /// A picture from a file, row by row from the top.
 #[derive(Clone, Debug)]
@@ -32,6 +38,32 @@ pub struct PictureFile {
 pub enum PictureError {
     /// The file cannot be read as a picture.
     Asset(AssetError),
+    /// The file cannot be opened.
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is no whole picture of its kind.
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// What the picture was made from is longer than any job.
+    JobTooLarge {
+        /// The file.
+        path: PathBuf,
+    },
+    /// What the picture was made from cannot be understood.
+    Job {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        source: serde_json::Error,
+    },
     /// A value is infinite or not a number.
     NotFinite {
         /// The file.
@@ -56,6 +88,17 @@ impl fmt::Display for PictureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Asset(error) => error.fmt(f),
+            Self::Read { path, source } => write!(f, "{}: cannot be read: {source}", path.display()),
+            Self::Damaged { path, problem } => write!(f, "{}: expected a whole picture: {problem}", path.display()),
+            Self::JobTooLarge { path } => write!(
+                f,
+                "{}: expected at most {} MiB about how the picture was made, found more",
+                path.display(),
+                MAX_JOB_BYTES >> 20
+            ),
+            Self::Job { path, source } => {
+                write!(f, "{}: what it says about how it was made cannot be read: {source}", path.display())
+            }
             Self::NotFinite { path, at: [x, y] } => {
                 write!(f, "{}: expected finite values, found another in column {x} of row {y}", path.display())
             }
@@ -94,6 +137,65 @@ pub fn read_picture(path: &Path) -> Result<PictureFile, PictureError> {
     let (variance, job) = if has_ending("exr") { beside(path, pixels.len()) } else { (None, None) };
     let (width, height) = (image.width, image.height);
     Ok(PictureFile { path: path.to_path_buf(), width, height, pixels, variance, job, is_display_referred })
+}
+
+/// The text that tells what a picture was made from, and nothing of its pixels. `None`: the picture is not ours.
+///
+/// # Errors
+/// The file cannot be read, its head is damaged, or the text is longer than [`MAX_JOB_BYTES`].
+pub fn embedded_text(path: &Path) -> Result<Option<String>, PictureError> {
+    let file = || File::open(path).map(BufReader::new).map_err(|source| PictureError::Read { path: path.to_path_buf(), source });
+    match Format::of(path) {
+        None => Ok(None),
+        Some(Format::Png) => text_of_png(path, file()?),
+        Some(Format::Exr) => text_of_exr(path, file()?),
+    }
+}
+
+fn text_of_png(path: &Path, file: BufReader<File>) -> Result<Option<String>, PictureError> {
+    let too_large = || PictureError::JobTooLarge { path: path.to_path_buf() };
+    let failed = |error: png::DecodingError| match error {
+        png::DecodingError::LimitsExceeded => too_large(),
+        error => PictureError::Damaged { path: path.to_path_buf(), problem: error.to_string() },
+    };
+    let limits = png::Limits { bytes: 2 * MAX_JOB_BYTES };
+    let reader = png::Decoder::new_with_limits(file, limits).read_info().map_err(failed)?;
+    let Some(chunk) = reader.info().utf8_text.iter().find(|chunk| chunk.keyword == JOB_ATTRIBUTE) else { return Ok(None) };
+    let mut chunk = chunk.clone();
+    // A few bytes can stand for very many.
+    chunk.decompress_text_with_limit(MAX_JOB_BYTES).map_err(|_| too_large())?;
+    let text = chunk.get_text().map_err(failed)?;
+    if text.len() > MAX_JOB_BYTES { Err(too_large()) } else { Ok(Some(text)) }
+}
+
+fn text_of_exr(path: &Path, file: BufReader<File>) -> Result<Option<String>, PictureError> {
+    let damaged = |error: exr::error::Error| PictureError::Damaged { path: path.to_path_buf(), problem: error.to_string() };
+    let head = exr::meta::MetaData::read_from_buffered(file, false).map_err(damaged)?;
+    let attribute = head.headers.first().and_then(|header| header.own_attributes.other.get(&Text::from(JOB_ATTRIBUTE)));
+    match attribute {
+        Some(AttributeValue::Text(text)) if text.bytes().len() > MAX_JOB_BYTES => {
+            Err(PictureError::JobTooLarge { path: path.to_path_buf() })
+        }
+        Some(AttributeValue::Text(text)) => Ok(Some(text.to_string())),
+        _ => Ok(None),
+    }
+}
+
+/// What a picture was made from. `None`: it is not ours.
+///
+/// # Errors
+/// As [`embedded_text`], or the text is no job.
+pub fn embedded_job(path: &Path) -> Result<Option<PictureJob>, PictureError> {
+    let Some(text) = embedded_text(path)? else { return Ok(None) };
+    serde_json::from_str(&text).map(Some).map_err(|source| PictureError::Job { path: path.to_path_buf(), source })
+}
+
+/// The material file that a picture was made from, byte by byte. `None`: the picture is not ours, or was made without one.
+///
+/// # Errors
+/// As [`embedded_job`].
+pub fn embedded_material(path: &Path) -> Result<Option<Vec<u8>>, PictureError> {
+    Ok(embedded_job(path)?.and_then(|job| job.material).map(String::into_bytes))
 }
 
 /// Layer `variance` and job of an EXR of ours. Pictures of others have neither, which is no fault.

@@ -23,8 +23,11 @@ pub const DOCUMENT_MATERIAL: &str = "test";
 /// Largest width or height of a picture.
 pub const MAX_SIDE: usize = 16_384;
 
-/// Most pixels of a picture, 2^24: a film needs 96 bytes for each, so that more would not fit into most machines.
+/// Most pixels that are rendered at a time, 2^24: a film needs 212 bytes for each, so that more would not fit into most machines.
 pub const MAX_PIXELS: usize = 1 << 24;
+
+/// Most pixels of a picture that is rendered in tiles, 2^26: that of 8192 x 8192.
+pub const MAX_TILED_PIXELS: usize = 1 << 26;
 
 /// Larger scene files are refused: they hold names and numbers, while meshes have files of their own.
 const MAX_SCENE_BYTES: u64 = 64 << 20;
@@ -38,6 +41,8 @@ pub struct SceneFile {
     pub width: usize,
     /// Pixels.
     pub height: usize,
+    /// The meshes and environments that it names.
+    pub files: Vec<PathBuf>,
 }
 
 /// Why a scene could not be read; shown to the user as one sentence.
@@ -99,7 +104,7 @@ pub fn load_scene(path: &Path) -> Result<(SceneFile, Vec<String>), SceneFileErro
     let text = read_text_file(path, MAX_SCENE_BYTES).map_err(SceneFileError::File)?;
     let json: Value =
         serde_json::from_str(&text).map_err(|source| SceneFileError::NotJson { path: path.to_path_buf(), source })?;
-    let mut reader = Reader { path, folder: folder_above(path), warnings: Vec::new() };
+    let mut reader = Reader { path, folder: folder_above(path), warnings: Vec::new(), files: Vec::new() };
     let scene = reader.scene(&json)?;
     Ok((scene, reader.warnings))
 }
@@ -135,6 +140,7 @@ struct Reader<'a> {
     path: &'a Path,
     folder: PathBuf,
     warnings: Vec<String>,
+    files: Vec<PathBuf>,
 }
 
 impl Reader<'_> {
@@ -169,7 +175,8 @@ impl Reader<'_> {
         let environment = self.environment(&self.required(&top, "environment")?)?;
         let materials = self.materials(&self.required(&top, "materials")?)?;
         let objects = self.objects(&self.required(&top, "objects")?, &materials)?;
-        Ok(SceneFile { scene: Scene { objects, environment, camera, max_bounces }, width, height })
+        let files = std::mem::take(&mut self.files);
+        Ok(SceneFile { scene: Scene { objects, environment, camera, max_bounces }, width, height, files })
     }
 
     fn camera(&self, node: &Node) -> Result<Camera, SceneFileError> {
@@ -243,6 +250,7 @@ impl Reader<'_> {
         };
         let file = self.required(node, "file")?;
         let path = self.file(&file)?;
+        self.files.push(path.clone());
         let (map, warnings) = load_environment(&path).map_err(|source| self.asset(&file, source))?;
         self.warnings.extend(warnings);
         Ok(EnvironmentLight { map: Arc::new(map), rotation_deg: 0.0, scale })
@@ -307,7 +315,11 @@ impl Reader<'_> {
             let material = material.ok_or_else(|| self.expected(&name, "a name that stands under `materials`"))?.clone();
             let is_document = name.value.as_str() == Some(DOCUMENT_MATERIAL);
             let file = self.required(&entry, "mesh")?;
-            let (model, warnings) = load_model(&self.file(&file)?).map_err(|source| self.asset(&file, source))?;
+            let path = self.file(&file)?;
+            if !self.files.contains(&path) {
+                self.files.push(path.clone());
+            }
+            let (model, warnings) = load_model(&path).map_err(|source| self.asset(&file, source))?;
             self.warnings.extend(warnings.iter().map(|warning| format!("{}: {}: {warning}", self.path.display(), file.key)));
             objects.extend(model.parts.into_iter().map(|part| Object {
                 mesh: Arc::new(part.mesh),

@@ -5,7 +5,7 @@
 
 use burnish_assets::{Bounds, Environment, Image, Mesh, Model, Role};
 use burnish_material::{DEFAULT_UNIT_MM, Material, Property, Value};
-use glam::Vec3;
+use glam::{DQuat, Vec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -159,6 +159,28 @@ impl Scene {
             })
             .collect();
         Self { objects, environment, camera: model.default_camera(), max_bounces: DEFAULT_MAX_BOUNCES }
+    }
+
+    /// The scene with the objects that carry the edited material (all, if none does) turned counterclockwise, seen from above, about the vertical
+    /// through their middle. At 0 degrees, the same meshes.
+    #[must_use]
+    pub fn turned(&self, deg: f64) -> Self {
+        let (mut scene, middle) = (self.clone(), self.document_bounds().center().as_dvec3());
+        let rotation = DQuat::from_rotation_y(deg.to_radians());
+        let has_document = scene.objects.iter().any(|object| object.is_document);
+        for object in scene.objects.iter_mut().filter(|object| deg != 0.0 && (object.is_document || !has_document)) {
+            let mesh = Arc::make_mut(&mut object.mesh);
+            for p in &mut mesh.positions {
+                *p = (rotation * (p.as_dvec3() - middle) + middle).as_vec3();
+            }
+            for n in &mut mesh.normals {
+                *n = (rotation * n.as_dvec3()).as_vec3();
+            }
+            for t in &mut mesh.tangents {
+                *t = (rotation * t.truncate().as_dvec3()).as_vec3().extend(t.w);
+            }
+        }
+        scene
     }
 
     /// Bounds of the objects that carry the edited material; of everything if there is none.

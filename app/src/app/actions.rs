@@ -8,14 +8,13 @@ use crate::editor::Document;
 use crate::editor::{Orbit, View, ViewMode};
 use crate::export::{self, Picture};
 use crate::live_denoise::DenoisedPicture;
-use crate::live_final::{LiveFinal, SEED};
+use crate::live_final::LiveFinal;
 use crate::loading::Job;
 use crate::pages::Page;
 use crate::sides::Side;
 use crate::widgets::value_edit::RowAction;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_material::Slot;
-use burnish_renderer::path::StopReason;
 use burnish_renderer::stability::Fix;
 use burnish_renderer::worker::Snapshot;
 use egui::{Context, FocusDirection, Key, Modifiers, ViewportCommand};
@@ -290,17 +289,20 @@ impl App {
         self.messages.info(info);
     }
 
-    /// Writes the picture that is shown, on a thread of its own.
+    /// Writes the picture that is shown, with what it was made from, on a thread of its own.
     pub(super) fn write_picture(&mut self, path: PathBuf, ctx: &Context) {
         let view = self.final_view.as_ref().filter(|_| self.has_final());
         let denoised = view.and_then(LiveFinal::denoised);
         let shown = denoised.map(|denoised| &denoised.raw).or_else(|| view.and_then(LiveFinal::newest));
-        let picture = if let Some(snapshot) = shown {
-            final_picture(snapshot, denoised)
+        let (mut picture, job) = if let Some(snapshot) = shown {
+            // A picture of before the last edit does not show what the document says.
+            let is_current = view.and_then(LiveFinal::current).is_some_and(|current| current.revision == snapshot.revision);
+            (final_picture(snapshot, denoised), self.job_of_final(snapshot, denoised, is_current))
         } else {
             match self.preview.read_linear() {
                 Ok((width, height, pixels)) => {
-                    Picture { width: width as usize, height: height as usize, pixels, ..Picture::default() }
+                    let (width, height) = (width as usize, height as usize);
+                    (Picture { width, height, pixels, ..Picture::default() }, self.job_of_preview([width, height]))
                 }
                 Err(problem) => {
                     self.messages.error(format!("The picture was not written: {problem}."));
@@ -313,6 +315,7 @@ impl App {
         self.pictures_to_write += 1;
         let (display, sender, ctx) = (self.editor.view.display, self.writer.clone(), ctx.clone());
         std::thread::spawn(move || {
+            picture.job = Some(job.finished(&path).json());
             let result = export::write(&path, &picture, display)
                 .map(|written| {
                     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
@@ -378,26 +381,13 @@ fn pane_of(command: Command) -> Option<Pane> {
     })
 }
 
-/// A picture of the final view for a file. The job says how far it is and what ended it; of a denoised picture also who denoised, and the
-/// raw one goes with it.
+/// A picture of the final view for a file; with a denoised one goes the raw one.
 fn final_picture(raw: &Snapshot, denoised: Option<&DenoisedPicture>) -> Picture {
-    let mut job = export::reached(raw.spp, raw.done.map(StopReason::word), raw.error.as_ref());
-    let mut say = |key: &str, value: serde_json::Value| job.insert(key.to_owned(), value);
-    say("program", concat!("Burnish ", env!("CARGO_PKG_VERSION")).into());
-    say("view", "final".into());
-    say("seed", SEED.into());
-    say("seconds", raw.seconds.into());
-    say("denoiser", denoised.map(|denoised| denoised.denoiser.as_str()).into());
-    let error = denoised.map(|denoised| &denoised.error);
-    say("relmse_estimate_denoised", error.map(|error| error.relmse).into());
-    say("relmse_low_denoised", error.map(|error| error.low).into());
-    say("relmse_high_denoised", error.map(|error| error.high).into());
     Picture {
         width: raw.width,
         height: raw.height,
         pixels: denoised.map_or(&raw.pixels, |denoised| &denoised.picture.pixels).clone(),
         raw: denoised.map(|_| raw.pixels.clone()),
-        job: Some(job.into()),
         ..Picture::default()
     }
 }

@@ -7,6 +7,7 @@ use crate::dock::Pane;
 use crate::editor::Document;
 use crate::files::{self, OpenedMaterial};
 use crate::loading::{Done, Job, Loaded, SetImage};
+use crate::picture_job::Place;
 use crate::sides::Side;
 use crate::tabs::Work;
 use burnish_assets::Image;
@@ -268,6 +269,10 @@ impl App {
                 });
                 self.messages.info(format!("Applied {}; undo brings back what was here before.", path.display()));
             }
+            (Job::Picture(picture), Ok(Loaded::Material(opened))) => {
+                self.open_document(Document::opened(*opened));
+                self.messages.info(format!("Opened the material that {} was made of, as a new document.", picture.display()));
+            }
             (_, Ok(Loaded::Material(opened))) => self.show_opened(*opened),
             (Job::Textures(id, ..), Ok(Loaded::Textures(textures))) => {
                 self.edit_document(id, None, |document| Arc::make_mut(&mut document.textures).extend(textures));
@@ -298,13 +303,15 @@ impl App {
                 self.dock.set_shown(Pane::Reference, true);
                 self.messages.info(format!("{} is shown beside the view; colours can be picked from it.", path.display()));
             }
-            (_, Ok(Loaded::Model(model, path))) => {
+            (job, Ok(Loaded::Model(model, path))) => {
+                self.editor.places[0] = place_of(&job);
                 if path.is_some() || self.editor.model.is_some() {
                     self.messages.info(format!("Showing {}", model.name));
                 }
                 self.editor.set_model(*model);
             }
-            (_, Ok(Loaded::Environment(environment, path))) => {
+            (job, Ok(Loaded::Environment(environment, path))) => {
+                self.editor.places[1] = place_of(&job);
                 if path.is_some() || self.editor.environment.is_some() {
                     self.messages.info(format!("Lit by {}", environment.name));
                 }
@@ -363,6 +370,15 @@ impl App {
             }
             Err(error) => self.messages.error(format!("“{}” cannot be brought back: {error}", kept.title)),
         }
+    }
+}
+
+/// Where a job loads a model or an environment from.
+fn place_of(job: &Job) -> Option<Place> {
+    match job {
+        Job::Shape(name) | Job::BuiltInEnvironment(name) => Some(Place::BuiltIn((*name).to_owned())),
+        Job::Model(path) | Job::Environment(path) => Some(Place::File(path.clone())),
+        _ => None,
     }
 }
 

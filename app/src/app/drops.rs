@@ -6,10 +6,19 @@ use crate::dock::Pane;
 use crate::files;
 use crate::loading::Job;
 use crate::panels::viewport;
+use crate::picture_file::{PictureError, embedded_material};
 use burnish_assets::{is_environment_path, is_image_path, is_model_path};
 use burnish_material::{Kind, Property};
 use egui::Context;
 use std::path::{Path, PathBuf};
+
+/// Whether a picture says which material it shows. One whose own words are damaged is ours as well, so that loading tells what is wrong.
+fn is_picture_of_ours(path: &Path) -> bool {
+    match embedded_material(path) {
+        Ok(material) => material.is_some(),
+        Err(error) => matches!(error, PictureError::Job { .. } | PictureError::JobTooLarge { .. }),
+    }
+}
 
 /// What a dropped file would do at a place.
 enum Drop {
@@ -40,6 +49,9 @@ impl App {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let id = self.tabs.front_id();
         let file = path.to_path_buf();
+        if is_picture_of_ours(path) {
+            return Drop::Do(format!("Open the material of the picture {name}"), Job::Picture(file));
+        }
         if let Some(property) = row.filter(|_| is_image_path(path)) {
             return Drop::Do(format!("Use as map for {}", property.def().label), Job::Texture(id, property, file));
         }

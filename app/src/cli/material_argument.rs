@@ -1,11 +1,12 @@
-//! `MATERIAL` on the command line: a path to a material file, or `preset:NAME`.
+//! `MATERIAL` on the command line: a path to a material file or to a picture of ours, or `preset:NAME`.
 
 use super::set::outside_range;
 use super::{CliError, Messages, suggest};
 use crate::files;
-use burnish_material::{Finding, LimitKind, Material, Severity, Warning};
+use crate::picture_file::embedded_job;
+use burnish_material::{Finding, LimitKind, Material, MaterialFile, Severity, Warning};
 use burnish_renderer::scene::TextureSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Endings of files that hold materials in other formats, which a later version reads.
@@ -18,6 +19,10 @@ pub struct LoadedMaterial {
     pub material: Arc<Material>,
     /// Images by the path that the material names.
     pub textures: Arc<TextureSet>,
+    /// The file with its text; `None` for a material without one.
+    pub file: Option<Arc<MaterialFile>>,
+    /// Where the images came from, by the path that the material names.
+    pub texture_files: Vec<(String, PathBuf)>,
 }
 
 /// The name in `preset:NAME`; `None` for a path.
@@ -45,13 +50,21 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
         let material = file.material().clone();
         let (textures, problems) = files::load_textures(&material, None);
         problems.into_iter().for_each(|problem| messages.warn(format!("{place}: {problem}")));
-        return Ok(LoadedMaterial { material: Arc::new(material), textures: Arc::new(textures) });
+        return Ok(LoadedMaterial {
+            material: Arc::new(material),
+            textures: Arc::new(textures),
+            file: Some(Arc::new(file)),
+            ..LoadedMaterial::default()
+        });
     }
 
     let path = Path::new(text);
     refuse_later_formats(path)?;
     if !path.exists() && burnish_presets::find(text).is_some() {
         return Err(CliError::unusable(format!("{text}: there is no such file; did you mean `preset:{text}`?")));
+    }
+    if burnish_assets::is_image_path(path) {
+        return of_picture(path, messages);
     }
     let (file, warnings) = files::read_material(path).map_err(CliError::unusable)?;
     report(text, &warnings, messages)?;
@@ -60,10 +73,20 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
     for sentence in missing {
         messages.warn_about(path, &sentence);
     }
+    let texture_files = textures.keys().map(|name| (name.clone(), files::texture_path(name, path.parent()))).collect();
     for finding in burnish_material::check(&material).iter().filter(|finding| finding.severity >= Severity::Warning) {
         messages.warn(format!("{text}: {}", finding_text(&material, finding)));
     }
-    Ok(LoadedMaterial { material: Arc::new(material), textures: Arc::new(textures) })
+    Ok(LoadedMaterial { material: Arc::new(material), textures: Arc::new(textures), file: Some(Arc::new(file)), texture_files })
+}
+
+/// The material that a picture of ours was made from. Images that are no longer where they were are warned about.
+fn of_picture(path: &Path, messages: &mut Messages) -> Result<LoadedMaterial, CliError> {
+    let job = embedded_job(path).map_err(CliError::unusable)?;
+    let (opened, texture_files) = files::open_embedded(path, job.as_ref()).map_err(CliError::unusable)?;
+    opened.warnings.iter().for_each(|warning| messages.warn_about(path, warning));
+    let material = Arc::new(opened.file.material().clone());
+    Ok(LoadedMaterial { material, textures: opened.textures, file: Some(Arc::new(opened.file)), texture_files })
 }
 
 /// A finding with its property; a value outside a range that renderers enforce is told as `--set` tells it.
@@ -90,13 +113,11 @@ fn refuse_later_formats(path: &Path) -> Result<(), CliError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let what = if LATER_ENDINGS.contains(&ending.as_str()) {
         "reading materials from other formats"
-    } else if burnish_assets::is_image_path(path) {
-        "repeating the job of a picture"
     } else {
         return Ok(());
     };
     Err(CliError::unusable(format!(
-        "{}: {what} is not in this version; expected an .asm.ron file or preset:NAME",
+        "{}: {what} is not in this version; expected an .asm.ron file, a picture of ours or preset:NAME",
         path.display()
     )))
 }
@@ -119,7 +140,7 @@ mod tests {
             ("preset:no such thing at all", "presets list"),
             (first.name, "did you mean `preset:"),
             ("chair.gltf", "not in this version"),
-            ("picture.PNG", "not in this version"),
+            ("picture.PNG", "picture.PNG: cannot be read"),
             ("nowhere.asm.ron", "nowhere.asm.ron: cannot be read"),
         ];
         for (text, expected) in cases {

@@ -6,19 +6,27 @@
 pub mod check;
 pub mod compare;
 pub mod converge;
+mod develop;
 pub mod features;
+mod final_picture;
 mod interrupt;
 pub mod library;
 mod material_argument;
 pub mod parity;
+mod picture_options;
 pub mod presets;
+mod preview_picture;
 mod progress_line;
 pub mod render;
+mod repeat;
 pub mod scene_options;
+mod scene_origin;
 mod set;
 pub mod stability;
 pub(crate) mod suggest;
 mod target;
+mod tiles;
+pub mod turntable;
 mod window;
 
 use crate::app::WindowOptions;
@@ -30,7 +38,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader", "turntable"];
+const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -68,6 +76,8 @@ enum Command {
     Features(Box<features::FeaturesArguments>),
     /// A folder of materials as a library: what is in it, and small pictures of it
     Library(library::LibraryArguments),
+    /// Renders an image sequence around the object
+    Turntable(Box<turntable::TurntableArguments>),
     /// Probes materials numerically at extremes; without one, the built-in suite
     Stability(Box<stability::StabilityArguments>),
 }
@@ -88,8 +98,8 @@ pub enum CliError {
     Unusable(String),
     /// The user interrupted it; nothing was written.
     Interrupted,
-    /// The user interrupted it; the sentence says what is kept.
-    InterruptedAfter(String),
+    /// The user interrupted it; what was written, and how it goes on.
+    Stopped(String),
 }
 
 impl CliError {
@@ -102,7 +112,7 @@ impl CliError {
 impl fmt::Display for CliError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unusable(message) | Self::InterruptedAfter(message) => f.write_str(message),
+            Self::Unusable(message) | Self::Stopped(message) => f.write_str(message),
             Self::Interrupted => f.write_str("interrupted; nothing was written"),
         }
     }
@@ -146,7 +156,7 @@ pub fn main() -> ExitCode {
         && !Path::new(word).exists()
     {
         return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, features, library, stability or files to open"
+            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, features, library, stability, turntable or files to open"
         ))));
     }
     let arguments = match Arguments::try_parse_from(words) {
@@ -171,6 +181,7 @@ pub fn main() -> ExitCode {
                 Command::Check(arguments) => check::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),
                 Command::Library(arguments) => library::run(&arguments),
+                Command::Turntable(arguments) => turntable::run(&arguments),
                 Command::Stability(arguments) => stability::run(&arguments),
             }
         }
@@ -183,7 +194,7 @@ fn exit(result: Result<Outcome, CliError>) -> ExitCode {
         Ok(Outcome::Findings) => ExitCode::from(1),
         Err(error) => {
             eprintln!("error: {}", one_line(&error.to_string()));
-            ExitCode::from(if matches!(error, CliError::Unusable(_)) { 2 } else { 130 })
+            ExitCode::from(if matches!(error, CliError::Interrupted | CliError::Stopped(_)) { 130 } else { 2 })
         }
     }
 }

@@ -1,9 +1,11 @@
 //! Options that say what is drawn: mesh, light, camera, changed values, size. Shared by all commands that render.
 
 use super::material_argument::{self, LoadedMaterial};
+use super::scene_origin::Origin;
 use super::set::{Assignment, parse_number, parse_triple};
 use super::{CliError, Messages, interrupt, suggest};
-use crate::scene_file::{DOCUMENT_MATERIAL, MAX_PIXELS, MAX_SIDE, load_scene};
+use crate::picture_job::Place;
+use crate::scene_file::{DOCUMENT_MATERIAL, MAX_PIXELS, MAX_SIDE, MAX_TILED_PIXELS, load_scene};
 use burnish_assets::{
     ENVIRONMENTS, Environment, Model, SHAPES, is_environment_path, is_model_path, load_environment, load_model, make_environment,
     make_shape,
@@ -21,7 +23,7 @@ const CAMERA_DISTANCES: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
 const MAX_THREADS: usize = 1024;
 
 /// What is drawn, and how large.
-#[derive(Clone, Debug, Default, Args)]
+#[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneOptions {
     /// Built-in mesh, or a .gltf, .glb or .ply file
@@ -54,7 +56,7 @@ pub struct SceneOptions {
     /// Random stream; equal seeds give equal pictures
     #[arg(long, value_name = "N", default_value_t = 0, allow_hyphen_values = true, value_parser = seed)]
     pub seed: u64,
-    /// Size of the picture, at most 16384 pixels a side and 16777216 (2^24) in all [default: 512x512, or that of the scene file]
+    /// Size of the picture, at most 16384 pixels a side and 16777216 (2^24) in all; of `render` 67108864 (2^26), in tiles [default: 512x512, or that of the scene file]
     #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
     pub size: Option<(usize, usize)>,
     /// Whole scene as asm-bench-scene/1 JSON; its material `test` is the one that MATERIAL replaces
@@ -82,6 +84,8 @@ pub struct LoadedScene {
     pub width: usize,
     /// Pixels.
     pub height: usize,
+    /// Where its parts came from.
+    pub(super) origin: Origin,
 }
 
 impl LoadedScene {
@@ -110,11 +114,37 @@ impl SceneOptions {
         default: Option<LoadedMaterial>,
         messages: &mut Messages,
     ) -> Result<LoadedScene, CliError> {
+        let loaded = self.load_tiled(material, default, messages)?;
+        if loaded.width * loaded.height > MAX_PIXELS {
+            let (width, height) = (loaded.width, loaded.height);
+            return Err(CliError::unusable(format!(
+                "--size: expected at most {MAX_PIXELS} (2^24) pixels in all, found {width} x {height}"
+            )));
+        }
+        Ok(loaded)
+    }
+
+    /// [`Self::load`] for whoever renders large pictures in tiles.
+    pub fn load_tiled(
+        &self,
+        material: Option<&str>,
+        default: Option<LoadedMaterial>,
+        messages: &mut Messages,
+    ) -> Result<LoadedScene, CliError> {
         let material = material.map(|text| material_argument::load(text, messages)).transpose()?.or(default);
         interrupt::check()?;
+        let mut origin = Origin {
+            replaces_material: material.is_some() || !self.set.is_empty(),
+            unit_mm: self.unit_mm,
+            scene: self.scene.clone(),
+            ..Origin::default()
+        };
+        if let Some(material) = &material {
+            (origin.file, origin.texture_files) = (material.file.clone(), material.texture_files.clone());
+        }
         let (mut scene, size) = match (&self.scene, material) {
-            (Some(path), material) => self.scene_of_file(path, material, messages)?,
-            (None, Some(material)) => (self.scene_of_model(material, messages)?, (DEFAULT_SIDE, DEFAULT_SIDE)),
+            (Some(path), material) => self.scene_of_file(path, material, &mut origin, messages)?,
+            (None, Some(material)) => (self.scene_of_model(material, &mut origin, messages)?, (DEFAULT_SIDE, DEFAULT_SIDE)),
             (None, None) => {
                 let expected = "expected MATERIAL (an .asm.ron file or preset:NAME) or --scene FILE";
                 return Err(CliError::unusable(expected));
@@ -123,15 +153,25 @@ impl SceneOptions {
         interrupt::check()?;
         self.change(&mut scene, messages)?;
         let (width, height) = self.size.unwrap_or(size);
-        Ok(LoadedScene { scene, width, height })
+        // An image that a value took the place of is not needed any more.
+        let is_named = |name: &str| {
+            let mut slots = scene.objects.iter().filter(|object| object.is_document).flat_map(|object| object.material.slots());
+            slots.any(|(_, slot)| slot.texture.as_ref().is_some_and(|texture| texture.path == name))
+        };
+        origin.texture_files.retain(|(name, _)| is_named(name));
+        Ok(LoadedScene { scene, width, height, origin })
     }
 
     /// The default scene, or what the options make of it, around a material.
-    fn scene_of_model(&self, material: LoadedMaterial, messages: &mut Messages) -> Result<Scene, CliError> {
-        let model = self.model(messages)?;
+    fn scene_of_model(&self, material: LoadedMaterial, origin: &mut Origin, messages: &mut Messages) -> Result<Scene, CliError> {
+        let model = self.model(origin, messages)?;
         let map = match &self.environment {
-            Some(text) => environment(text, messages)?,
-            None => ENVIRONMENTS.first().map(|def| (def.make)()).ok_or_else(|| CliError::unusable("there is no environment"))?,
+            Some(text) => environment(text, origin, messages)?,
+            None => {
+                let def = ENVIRONMENTS.first().ok_or_else(|| CliError::unusable("there is no environment"))?;
+                origin.environment = Some(Place::BuiltIn(def.name.to_owned()));
+                (def.make)()
+            }
         };
         let light = EnvironmentLight { map: Arc::new(map), rotation_deg: 0.0, scale: 1.0 };
         let unit_mm = self.unit_mm.unwrap_or(model.unit_mm);
@@ -142,13 +182,18 @@ impl SceneOptions {
         Ok(scene)
     }
 
-    fn model(&self, messages: &mut Messages) -> Result<ModelMeshes, CliError> {
-        let model: Model = match self.mesh.as_deref() {
-            None => SHAPES.first().and_then(|def| make_shape(def.name)).ok_or_else(|| CliError::unusable("there is no mesh"))?,
+    fn model(&self, origin: &mut Origin, messages: &mut Messages) -> Result<ModelMeshes, CliError> {
+        let name = self.mesh.as_deref().or(SHAPES.first().map(|def| def.name));
+        let model: Model = match name {
+            None => return Err(CliError::unusable("there is no mesh")),
             Some(text) => match make_shape(text) {
-                Some(model) => model,
+                Some(model) => {
+                    origin.mesh = Some(Place::BuiltIn(text.to_owned()));
+                    model
+                }
                 None => {
                     let path = existing("--mesh", text, is_model_path(Path::new(text)), SHAPES.iter().map(|def| def.name))?;
+                    origin.mesh = Some(Place::File(path.to_path_buf()));
                     let (model, warnings) = load_model(path).map_err(CliError::unusable)?;
                     warnings.iter().for_each(|warning| messages.warn_about(path, warning));
                     model
@@ -162,11 +207,13 @@ impl SceneOptions {
         &self,
         path: &Path,
         material: Option<LoadedMaterial>,
+        origin: &mut Origin,
         messages: &mut Messages,
     ) -> Result<(Scene, (usize, usize)), CliError> {
         let (file, warnings) = load_scene(path).map_err(CliError::unusable)?;
         warnings.into_iter().for_each(|warning| messages.warn(warning));
         let mut scene = file.scene;
+        origin.assets = file.files;
         match material {
             Some(material) => {
                 // Lengths are taken as they stand unless the user says how large the scene is.
@@ -183,7 +230,8 @@ impl SceneOptions {
             None => {}
         }
         if let Some(text) = &self.environment {
-            scene.environment = EnvironmentLight { map: Arc::new(environment(text, messages)?), rotation_deg: 0.0, scale: 1.0 };
+            scene.environment =
+                EnvironmentLight { map: Arc::new(environment(text, origin, messages)?), rotation_deg: 0.0, scale: 1.0 };
         }
         if let Some(orbit) = self.camera {
             scene.camera = orbit.around(scene.camera.target, scene.camera.fov_deg);
@@ -231,11 +279,13 @@ impl Orbit {
     }
 }
 
-fn environment(text: &str, messages: &mut Messages) -> Result<Environment, CliError> {
+fn environment(text: &str, origin: &mut Origin, messages: &mut Messages) -> Result<Environment, CliError> {
     if let Some(made) = make_environment(text) {
+        origin.environment = Some(Place::BuiltIn(text.to_owned()));
         return Ok(made);
     }
     let path = existing("--environment", text, is_environment_path(Path::new(text)), ENVIRONMENTS.iter().map(|def| def.name))?;
+    origin.environment = Some(Place::File(path.to_path_buf()));
     let (map, warnings) = load_environment(path).map_err(CliError::unusable)?;
     warnings.iter().for_each(|warning| messages.warn_about(path, warning));
     Ok(map)
@@ -301,8 +351,8 @@ fn orbit(text: &str) -> Result<Orbit, String> {
 /// Columns and rows of a picture, for options.
 pub fn size(text: &str) -> Result<(usize, usize), String> {
     let read = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
-    read.filter(|(w, h)| (1..=MAX_SIDE).contains(w) && (1..=MAX_SIDE).contains(h) && w * h <= MAX_PIXELS)
-        .ok_or_else(|| format!("expected WIDTHxHEIGHT in pixels, each 1 to {MAX_SIDE}, at most {MAX_PIXELS} (2^24) in all"))
+    read.filter(|(w, h)| (1..=MAX_SIDE).contains(w) && (1..=MAX_SIDE).contains(h) && w * h <= MAX_TILED_PIXELS)
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT in pixels, each 1 to {MAX_SIDE}, at most {MAX_TILED_PIXELS} (2^26) in all"))
 }
 
 #[cfg(test)]
@@ -312,7 +362,7 @@ mod tests {
     #[test]
     fn sizes_and_cameras_are_read_or_refused() {
         assert_eq!(size("64x32"), Ok((64, 32)));
-        for text in ["", "64", "0x5", "64x", "x64", "-1x5", "99999x1", "16384x16384", "4096x4097", "1e3x5"] {
+        for text in ["", "64", "0x5", "64x", "x64", "-1x5", "99999x1", "16384x16384", "8192x8193", "1e3x5"] {
             assert!(size(text).is_err(), "{text}");
         }
         assert_eq!(orbit("-90, 10,5").map(|o| (o.azimuth_deg, o.elevation_deg, o.distance)), Ok((270.0, 10.0, 5.0)));
@@ -328,9 +378,9 @@ mod tests {
         let error =
             options.load(Some(&format!("preset:{}", burnish_presets::presets()[0].name)), None, &mut messages).unwrap_err();
         assert!(error.to_string().contains(SHAPES[0].name), "{error}");
-        let error = environment("studi", &mut messages).unwrap_err();
+        let error = environment("studi", &mut Origin::default(), &mut messages).unwrap_err();
         assert!(error.to_string().contains("did you mean `studio`"), "{error}");
-        let error = environment("missing.exr", &mut messages).unwrap_err();
+        let error = environment("missing.exr", &mut Origin::default(), &mut messages).unwrap_err();
         assert!(error.to_string().starts_with("missing.exr"), "{error}");
     }
 }

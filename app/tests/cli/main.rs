@@ -10,8 +10,10 @@ use tempfile::TempDir;
 
 mod library;
 mod measure;
+mod pictures;
 mod render;
 mod thumbnails;
+mod turntable;
 mod usage;
 
 /// What one run left.

@@ -37,9 +37,9 @@ pub(super) fn next_decision(spp: u32) -> u32 {
 #[derive(Clone, Debug)]
 pub(super) struct Allocation {
     /// Samples that each pixel had then.
-    base: Vec<u32>,
+    pub(super) base: Vec<u32>,
     /// Logarithm of the number of samples it deserves, in [`OCTAVE`]ths of a doubling.
-    levels: Vec<i32>,
+    pub(super) levels: Vec<i32>,
     /// Pixels by level and base.
     kinds: BTreeMap<(i32, u32), u64>,
 }
@@ -61,7 +61,11 @@ impl Allocation {
             (octaves * f64::from(OCTAVE)).round() as i32 + dither
         };
         let levels: Vec<i32> = priorities.iter().enumerate().map(level).collect();
-        let base = film.samples();
+        Self::of(film.samples(), levels)
+    }
+
+    /// The decision of these numbers, one of each per pixel.
+    pub(super) fn of(base: Vec<u32>, levels: Vec<i32>) -> Self {
         let mut kinds = BTreeMap::new();
         for kind in levels.iter().copied().zip(base.iter().copied()) {
             *kinds.entry(kind).or_insert(0) += 1;

@@ -8,6 +8,10 @@
 //! Two things differ from a picture: caustics that a picture gets from photons are left to the paths, which find the same light with more noise;
 //! and nothing is resolved below the layers, so light that a lobe sends through a coat counts for the lobe.
 
+mod layers;
+
+pub use layers::{LightLayer, light_layers};
+
 use super::PassStats;
 use super::batch::{BATCH, Batch, Paths};
 use super::estimate::variance_of_mean;
@@ -94,7 +98,7 @@ pub fn explain(prepared: &Prepared, x: usize, y: usize, width: usize, height: us
     let mut batch = prepared.take_batch();
     for first in (0..samples).step_by(BATCH) {
         let numbers = first..samples.min(first + BATCH as u32);
-        follow(prepared, &view, (y * width + x) as u32, numbers, &mut batch, &mut ledger);
+        follow(prepared, &view, (y * width + x) as u32, numbers, SEED, &mut batch, &mut ledger);
     }
     prepared.give_batch(batch);
 
@@ -202,14 +206,14 @@ impl Book<'_> {
 }
 
 /// Follows samples of a pixel to their ends.
-fn follow(prepared: &Prepared, view: &View, pixel: u32, samples: Range<u32>, batch: &mut Batch, ledger: &mut Ledger) {
+fn follow(prepared: &Prepared, view: &View, pixel: u32, samples: Range<u32>, seed: u64, batch: &mut Batch, ledger: &mut Ledger) {
     let places: Vec<Place> = samples.clone().map(|sample| Place { cell: 0, pixel, sample }).collect();
     let tile = Tile { places: &places };
     let room = 2 * places.len();
     let mut book = Book { first: samples.start, seen: vec![None; room], shares: vec![None; room] };
     let mut stats = PassStats::default();
     batch.begin(tile.paths(), prepared.surfaces.len());
-    dispatch(Raygen { prepared, view, tile, seed: SEED, paths: &mut batch.paths });
+    dispatch(Raygen { prepared, view, tile, seed, paths: &mut batch.paths });
     for vertex in 0..prepared.max_bounces.saturating_add(2 + PASS_LIMIT) {
         if batch.active.is_empty() {
             break;

@@ -1,6 +1,8 @@
 //! The picture: sums of samples in independent replicates, with its own number of samples for every pixel.
 
-use super::estimate::{ErrorEstimate, estimate, variance_of_mean};
+mod bytes;
+
+use super::estimate::{EPSILON, ErrorEstimate, estimate, variance_of_mean};
 use super::photon::Splat;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -23,6 +25,15 @@ pub(super) struct Cell {
     pub covered: u32,
 }
 
+/// Which part of a picture a film is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Window {
+    /// Columns and rows of the picture.
+    pub full: [usize; 2],
+    /// Column and row of the picture where the film begins.
+    pub at: [usize; 2],
+}
+
 /// Samples that a pass adds to a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Quota {
@@ -39,6 +50,8 @@ pub struct Film {
     pub width: usize,
     /// Rows.
     pub height: usize,
+    /// Where it lies in its picture.
+    pub(super) window: Window,
     /// Samples of all pixels together.
     samples: u64,
     cells: Vec<Cell>,
@@ -63,11 +76,17 @@ pub(super) struct PassTarget<'a> {
 impl Film {
     /// A film without samples.
     pub fn new(width: usize, height: usize) -> Self {
+        Self::of_window(width, height, Window { full: [width, height], at: [0, 0] })
+    }
+
+    /// A film of a part of a picture.
+    pub(super) fn of_window(width: usize, height: usize, window: Window) -> Self {
         let pixels = width * height;
         let cells = vec![Cell::default(); pixels];
         Self {
             width,
             height,
+            window,
             samples: 0,
             next: cells.clone(),
             cells,
@@ -162,6 +181,16 @@ impl Film {
         (0..self.cells.len()).map(variance).collect()
     }
 
+    /// Standard error of the mean of each pixel relative to its brightness: the root of the mean over channels of variance over squared mean, to
+    /// which a hundredth is added. Zeros where a replicate holds no sample.
+    pub fn relative_error(&self) -> Vec<f32> {
+        let one = |(variance, mean): ([f32; 3], [f32; 3])| {
+            let terms = (0..3).map(|k| f64::from(variance[k]) / (f64::from(mean[k]).powi(2) + EPSILON));
+            (terms.sum::<f64>() / 3.0).sqrt() as f32
+        };
+        self.variance().into_iter().zip(self.mean()).map(one).collect()
+    }
+
     /// The error of the picture, estimated from its replicates. `None` until every replicate of every pixel holds a sample.
     pub fn error(&self) -> Option<ErrorEstimate> {
         self.error_by(1)
@@ -198,20 +227,41 @@ impl Film {
         self.order.iter().filter(is_due).map(|pixel| Quota { pixel: *pixel, count: 1 }).collect()
     }
 
+    /// The first `total` samples of a picture that has not yet one in every pixel: coarse lattices before finer ones.
+    pub(super) fn beginning(&self, total: usize) -> Vec<Quota> {
+        let mut quotas = Vec::with_capacity(total);
+        let mut side = LATTICE;
+        while quotas.len() < total && side > 0 {
+            let is_coarser = |x: usize, y: usize| side < LATTICE && x.is_multiple_of(2 * side) && y.is_multiple_of(2 * side);
+            let is_new = |quota: &Quota| !is_coarser(quota.pixel as usize % self.width, quota.pixel as usize / self.width);
+            quotas.extend(self.lattice(side).into_iter().filter(is_new).take(total - quotas.len()));
+            side /= 2;
+        }
+        quotas
+    }
+
     /// The samples per pixel that a pass owes photons for: those of the mean over the picture.
     pub(super) fn photon_samples_due(&self, quotas: &[Quota]) -> Range<u32> {
         let samples = self.samples + quotas.iter().map(|quota| u64::from(quota.count)).sum::<u64>();
         self.photon_samples..(samples / self.cells.len().max(1) as u64) as u32
     }
 
-    /// Adds what a number of photons of a replicate brought.
+    /// The pixel of the film that a pixel of its picture is, if it is one.
+    fn pixel_of(&self, pixel: u32) -> Option<usize> {
+        let Window { full, at } = self.window;
+        let (x, y) = ((pixel as usize % full[0]).checked_sub(at[0])?, (pixel as usize / full[0]).checked_sub(at[1])?);
+        (x < self.width && y < self.height).then_some(y * self.width + x)
+    }
+
+    /// Adds what a number of photons of a replicate brought to pixels of the picture.
     pub(super) fn add_photons(&mut self, replicate: usize, emitted: u64, splats: &[Splat]) {
         if self.splats.is_empty() {
             self.splats = vec![[[0.0; 3]; REPLICATES]; self.cells.len()];
         }
         self.photons[replicate] += emitted;
         for splat in splats {
-            for (sum, light) in self.splats[splat.pixel as usize][replicate].iter_mut().zip(splat.light) {
+            let Some(pixel) = self.pixel_of(splat.pixel) else { continue };
+            for (sum, light) in self.splats[pixel][replicate].iter_mut().zip(splat.light) {
                 *sum += f64::from(light);
             }
         }

@@ -12,6 +12,7 @@
 mod adaptive;
 mod aov;
 mod batch;
+mod bytes;
 mod caustics;
 mod cone;
 mod convergence;
@@ -58,11 +59,14 @@ pub use debug::{DebugProgress, DebugView, LegendEntry, SampleView, ViewDef, debu
 pub(crate) use displace::HeightKey;
 pub(crate) use displaced_mesh::displaced_mesh;
 pub use estimate::ErrorEstimate;
-pub use explain::{Explanation, LobeShare, SurfacePoint, explain};
+pub use explain::{Explanation, LightLayer, LobeShare, SurfacePoint, explain, light_layers};
 pub use film::{Film, REPLICATES};
 pub(crate) use flat::Flat;
 pub use prepared::Prepared;
-pub use render::{Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, render, render_prepared};
+pub use render::{
+    Kept, KeptError, Progress, Rendering, SPP_MAX, Settings, StopReason, StopRules, Tile, render, render_prepared, render_tile,
+    repeat,
+};
 pub use schedule::render_pass;
 
 use crate::scene::Scene;

@@ -1,6 +1,7 @@
 //! First stage: camera rays.
 
 use super::batch::Paths;
+use super::film::{Film, Window};
 use super::sampler::{Group, MAX_LANES, Words, draw, pixel_seed};
 use super::{Prepared, REPLICATES};
 use crate::bsdf::dispersion::spectrum;
@@ -44,6 +45,8 @@ pub(super) struct View {
     pub width: usize,
     /// Rows of the picture.
     pub height: usize,
+    /// Columns of the film, and the column and row of the picture where it begins.
+    film: [usize; 3],
 }
 
 impl View {
@@ -51,7 +54,19 @@ impl View {
     pub(super) fn new(prepared: &Prepared, width: usize, height: usize) -> Self {
         let mut basis = prepared.camera.basis(width as f32 / height.max(1) as f32);
         basis.origin = prepared.geometry.normalized(basis.origin);
-        Self { basis, width, height }
+        Self { basis, width, height, film: [width, 0, 0] }
+    }
+
+    /// The view of the picture that a film belongs to.
+    pub(super) fn of_film(prepared: &Prepared, film: &Film) -> Self {
+        let Window { full: [width, height], at: [x, y] } = film.window;
+        Self { film: [film.width, x, y], ..Self::new(prepared, width, height) }
+    }
+
+    /// The pixel of the picture that a pixel of the film is.
+    pub(super) fn in_picture(&self, pixel: u32) -> u32 {
+        let ([columns, x, y], pixel) = (self.film, pixel as usize);
+        ((pixel / columns + y) * self.width + pixel % columns + x) as u32
     }
 }
 

@@ -9,32 +9,30 @@
 //!   estimate is not firefly-limited, or when even the upper end of its interval is below the target. Where the target comes before the next power of two, the missing samples are computed from the slope of the error and
 //!   rendered in two steps. A render with no other rule ends at [`SPP_MAX`] at the latest.
 
+mod kept;
+mod plan;
+
+pub use kept::{Kept, KeptError};
+
 use super::PassStats;
 use super::adaptive::{Allocation, SampleCounts, is_decision, next_decision};
 use super::convergence::ErrorPoint;
 use super::estimate::ErrorEstimate;
-use super::film::{Film, LATTICE, Quota, REPLICATES};
+use super::film::{Film, LATTICE, Quota, Window};
 use super::prepared::Prepared;
 use super::schedule::render_quotas;
 use crate::scene::Scene;
 use burnish_material::LobeSet;
+use plan::{PASS_SECONDS, Plan};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Samples per pixel after which a render ends in any case.
 pub const SPP_MAX: u32 = 1 << 20;
-/// Seconds that a pass may take before it is divided, so that progress is reported and can be cancelled.
-const PASS_SECONDS: f64 = 0.5;
 /// Share of a time limit by which a pass may exceed it before it is dropped.
 const OVERTIME: f64 = 0.03;
 /// Growth of the samples after which the error is estimated anew.
 const ESTIMATE_GROWTH: f64 = 1.4;
-/// How far the next power of two may divide the error: beyond this ratio to the target it is rendered without a prediction.
-const PREDICTED_RATIO: f64 = 3.0;
-/// Share of the predicted samples after which the error is looked at once more.
-const FIRST_STEP: f64 = 0.9;
-/// With this ratio to the target, a predicted number of samples is taken to have reached it.
-const REACHED: f64 = 1.05;
 
 /// When a render ends: the first rule that holds. Without any, it runs until it is cancelled or reaches [`SPP_MAX`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -127,103 +125,18 @@ pub struct Rendering {
     pub samples: u64,
     /// Lobes that the materials need.
     pub lobes: LobeSet,
+    /// What goes on from here needs to know.
+    plan: Plan,
+    allocation: Option<Arc<Allocation>>,
 }
 
-/// Decides how many samples come next.
-#[derive(Clone, Debug)]
-struct Plan {
-    stop: StopRules,
-    /// Samples per pixel at which the error was judged last, and what it was.
-    judged: Option<(u32, f64)>,
-    /// Samples per pixel that reach the target by prediction.
-    predicted: Option<u32>,
-}
-
-impl Plan {
-    fn new(stop: StopRules) -> Self {
-        Self { stop, judged: None, predicted: None }
-    }
-
-    /// Samples per pixel for the next pass, or why there is none. `seconds` have gone for `spp` samples, at now `pace` seconds for one;
-    /// `error` is their estimate, if there is one.
-    fn next(&mut self, spp: u32, seconds: f64, pace: f64, error: Option<&ErrorEstimate>) -> Result<u32, StopReason> {
-        let limit = self.limit();
-        if spp >= limit {
-            return Err(StopReason::Spp);
-        }
-        if self.judge(spp, error) {
-            return Err(StopReason::Error);
-        }
-        let goal = self.predicted.unwrap_or(power(spp)).min(limit);
-        let mut step = goal.saturating_sub(spp).max(1);
-        if spp > 0 {
-            let cap = |room: f64| (room / pace.max(1e-9)).min(f64::from(SPP_MAX)) as u32;
-            // Not below one sample per replicate: shorter passes cost more than they show.
-            let chunk = cap(PASS_SECONDS).max(REPLICATES as u32);
-            if step > chunk {
-                step = if chunk >= 16 { chunk / 16 * 16 } else { chunk / 4 * 4 };
-            }
-            if let Some(end) = self.stop.seconds {
-                let fits = cap(end - seconds);
-                if fits == 0 {
-                    return Err(StopReason::Time);
-                }
-                if step > fits {
-                    step = if fits > REPLICATES as u32 { fits / REPLICATES as u32 * REPLICATES as u32 } else { fits };
-                }
-            }
-        }
-        Ok(step)
-    }
-
-    fn limit(&self) -> u32 {
-        self.stop.spp.unwrap_or(SPP_MAX).max(1)
-    }
-
-    /// Whether the error at `spp` decides anything.
-    fn is_due(&self, spp: u32) -> bool {
-        match self.predicted {
-            Some(predicted) => spp >= predicted,
-            None => spp >= REPLICATES as u32 && spp.is_power_of_two(),
-        }
-    }
-
-    /// Whether the picture is good enough.
-    fn judge(&mut self, spp: u32, error: Option<&ErrorEstimate>) -> bool {
-        let (Some(target), Some(error)) = (self.stop.relmse, error) else { return false };
-        if !self.is_due(spp) {
-            return false;
-        }
-        let is_predicted = self.predicted.take().is_some();
-        let is_reliable = !error.is_firefly_limited;
-        let ratio = error.relmse / target;
-        if error.high <= target || (is_reliable && ratio <= if is_predicted { REACHED } else { 1.0 }) {
-            return true;
-        }
-        if is_reliable && ratio < PREDICTED_RATIO {
-            let slope = match self.judged {
-                Some((n, e)) if n < spp => ((e / error.relmse).ln() / (f64::from(spp) / f64::from(n)).ln()).clamp(0.8, 1.6),
-                _ => 1.0,
-            };
-            let needed = f64::from(spp) * ratio.powf(1.0 / slope);
-            // A long way is gone in two steps: no sample can be taken back.
-            let goal = if needed > 1.3 * f64::from(spp) { FIRST_STEP * needed } else { needed };
-            // Whole replicates, except where they would be too coarse a step.
-            let unit = if spp >= 32 { REPLICATES as f64 } else { 1.0 };
-            self.predicted = Some(((goal / unit).round() * unit).clamp(f64::from(spp) + unit, f64::from(SPP_MAX)) as u32);
-        }
-        self.judged = Some((spp, error.relmse));
-        false
-    }
-}
-
-/// The total after `spp`: 1, 4, 8, 16, …: an image at once, then whole replicates, doubling.
-fn power(spp: u32) -> u32 {
-    match spp {
-        0 => 1,
-        1..4 => REPLICATES as u32,
-        _ => (spp + 1).checked_next_power_of_two().unwrap_or(SPP_MAX),
-    }
+/// A part of a picture, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Column and row of its first pixel.
+    pub at: [usize; 2],
+    /// Columns and rows.
+    pub size: [usize; 2],
 }
 
 /// A render under way. Shared by [`render`] and the background worker.
@@ -253,12 +166,16 @@ pub(crate) struct Run<'a> {
 impl<'a> Run<'a> {
     /// A render that has no samples yet.
     pub(crate) fn new(prepared: &'a Prepared, settings: Settings) -> Self {
+        Self::of_film(prepared, settings, Film::new(settings.width, settings.height))
+    }
+
+    fn of_film(prepared: &'a Prepared, settings: Settings, film: Film) -> Self {
         Self {
             prepared,
             settings,
             plan: Plan::new(settings.stop),
             allocation: None,
-            film: Film::new(settings.width, settings.height),
+            film,
             stats: PassStats::default(),
             seconds: 0.0,
             error: None,
@@ -330,7 +247,8 @@ impl<'a> Run<'a> {
 
     /// The first sample of every pixel. Where time is short, a coarse lattice comes first, then as much of finer ones as fits.
     fn first(&mut self) -> Result<Vec<Quota>, StopReason> {
-        let Some(limit) = self.settings.stop.seconds else { return Ok(self.film.evenly(1)) };
+        // All that have none yet: what goes on may have begun with a time limit.
+        let Some(limit) = self.settings.stop.seconds else { return Ok(self.film.lattice(1)) };
         if self.film.total_samples() == 0 {
             return Ok(self.film.lattice(LATTICE));
         }
@@ -391,8 +309,55 @@ pub fn render_prepared(
     start: Instant,
     progress: &mut dyn FnMut(&Progress<'_>) -> bool,
 ) -> Rendering {
+    finish(Run::new(prepared, *settings), start, progress)
+}
+
+/// [`render_prepared`] for a part of the picture that the settings describe: without adaptive sampling, its bits are those of the whole.
+/// Memory is that of the part.
+pub fn render_tile(
+    prepared: &Prepared,
+    settings: &Settings,
+    tile: Tile,
+    start: Instant,
+    progress: &mut dyn FnMut(&Progress<'_>) -> bool,
+) -> Rendering {
+    let full = [settings.width, settings.height];
+    let at = [0, 1].map(|k| tile.at[k].min(full[k]));
+    let [width, height] = [0, 1].map(|k| tile.size[k].min(full[k] - at[k]));
+    finish(Run::of_film(prepared, *settings, Film::of_window(width, height, Window { full, at })), start, progress)
+}
+
+/// The picture, or the part of it, that a render holds after `samples` samples of all its pixels together, whatever ended that render: the same
+/// bits. The stop rules of the settings are not looked at.
+pub fn repeat(
+    prepared: &Prepared,
+    settings: &Settings,
+    tile: Tile,
+    samples: u64,
+    start: Instant,
+    progress: &mut dyn FnMut(&Progress<'_>) -> bool,
+) -> Rendering {
+    let pixels = (tile.size[0] * tile.size[1]) as u64;
+    let spp = u32::try_from(samples / pixels.max(1)).unwrap_or(SPP_MAX);
+    let settings = Settings { stop: StopRules { spp: Some(spp), ..StopRules::default() }, ..*settings };
+    if spp > 0 {
+        return render_tile(prepared, &settings, tile, start, progress);
+    }
+    let window = Window { full: [settings.width, settings.height], at: tile.at };
+    let mut run = Run::of_film(prepared, settings, Film::of_window(tile.size[0], tile.size[1], window));
+    let quotas = run.film.beginning(samples as usize);
+    if let Some(stats) = render_quotas(prepared, &mut run.film, &quotas, settings.seed, settings.threads, &|| false) {
+        run.stats.add(&stats);
+    }
+    // No time is left for another.
+    run.settings.stop.seconds = Some(0.0);
+    run.plan.stop.seconds = Some(0.0);
+    finish(run, start, progress)
+}
+
+/// Steps until a rule ends it.
+fn finish(mut run: Run<'_>, start: Instant, progress: &mut dyn FnMut(&Progress<'_>) -> bool) -> Rendering {
     let load_seconds = start.elapsed().as_secs_f64();
-    let mut run = Run::new(prepared, *settings);
     let mut first_image_seconds = 0.0;
     let stop_reason = loop {
         let is_first = run.stats.samples == 0;
@@ -417,156 +382,12 @@ pub fn render_prepared(
         stop_reason,
         nonfinite: run.stats.nonfinite + run.stats.negative,
         samples: run.stats.samples,
-        lobes: prepared.lobes(),
+        lobes: run.prepared.lobes(),
         film: run.film,
+        plan: run.plan,
+        allocation: run.allocation,
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::path::tests::{mixed, picture};
-
-    fn totals(stop: StopRules, pace: f64, error: impl Fn(u32) -> Option<ErrorEstimate>) -> (Vec<u32>, StopReason) {
-        let (mut plan, mut spp, mut all) = (Plan::new(stop), 0, Vec::new());
-        loop {
-            match plan.next(spp, f64::from(spp) * pace, pace, error(spp).as_ref()) {
-                Ok(step) => spp += step,
-                Err(reason) => return (all, reason),
-            }
-            all.push(spp);
-        }
-    }
-
-    #[test]
-    fn samples_are_exact_and_double() {
-        let stop = StopRules { spp: Some(100), ..StopRules::default() };
-        assert_eq!(totals(stop, 1e-6, |_| None), (vec![1, 4, 8, 16, 32, 64, 100], StopReason::Spp));
-    }
-
-    #[test]
-    fn counts_worked_out_later_are_those_of_the_film() {
-        let prepared = Prepared::new(&mixed(), None);
-        let stop = StopRules { spp: Some(100), ..StopRules::default() };
-        for is_adaptive in [false, true] {
-            let mut run = Run::new(&prepared, Settings { width: 24, height: 16, seed: 5, threads: 2, stop, is_adaptive });
-            while run.step(&|| false).is_ok() {
-                assert!(run.counts().per_pixel() == run.film.samples(), "{is_adaptive}: {}", run.film.spp());
-            }
-            let counts = run.counts().per_pixel();
-            assert_eq!((counts.iter().sum::<u32>(), counts.iter().min() < counts.iter().max()), (24 * 16 * 100, is_adaptive));
-        }
-    }
-
-    #[test]
-    fn time_is_kept() {
-        for limit in [0.5, 1.0, 3.3, 10.0] {
-            let stop = StopRules { seconds: Some(limit), ..StopRules::default() };
-            let (all, reason) = totals(stop, 0.01, |_| None);
-            let end = f64::from(*all.last().expect("at least one pass")) * 0.01;
-            assert_eq!(reason, StopReason::Time);
-            assert!(end <= limit && end > limit - 0.02, "{end} for {limit}");
-        }
-    }
-
-    #[test]
-    fn a_target_between_powers_of_two_is_met() {
-        let stop = |target| StopRules { relmse: Some(target), ..StopRules::default() };
-        for slope in [0.9, 1.0, 1.3] {
-            let estimate = |spp: u32| {
-                let relmse = f64::from(spp.max(1)).powf(-slope);
-                (spp >= 4).then_some(ErrorEstimate { relmse, low: 0.9 * relmse, high: 1.1 * relmse, is_firefly_limited: false })
-            };
-            for needed in [16.0f64, 23.0, 50.0, 64.0, 65.0, 90.0, 127.0, 1000.0] {
-                let target = needed.powf(-slope);
-                let (all, reason) = totals(stop(target), 1e-6, estimate);
-                let reached = f64::from(*all.last().expect("at least one pass")).powf(-slope) / target;
-                assert!(reason == StopReason::Error && (0.8..1.1).contains(&reached), "{slope} {needed}: {reached} {all:?}");
-            }
-        }
-        // Fireflies: the upper end decides.
-        let wild = |spp: u32| {
-            (spp >= 4).then_some(ErrorEstimate {
-                relmse: 1.0 / f64::from(spp),
-                low: 0.5 / f64::from(spp),
-                high: 2.0 / f64::from(spp),
-                is_firefly_limited: true,
-            })
-        };
-        assert_eq!(totals(stop(1.0 / 64.0), 1e-6, wild).0.last(), Some(&128));
-    }
-
-    fn run_to(spp: u32, threads: usize, is_adaptive: bool, seed: u64) -> Film {
-        let stop = StopRules { spp: Some(spp), ..StopRules::default() };
-        let settings = Settings { width: 24, height: 24, seed, threads, stop, is_adaptive };
-        let rendering = render(&mixed(), &settings, &mut |_| true);
-        assert_eq!((rendering.stop_reason, rendering.film.spp()), (StopReason::Spp, spp));
-        assert_eq!(rendering.samples, 24 * 24 * u64::from(spp));
-        rendering.film
-    }
-
-    #[test]
-    fn adaptive_bits_do_not_depend_on_threads_and_passes() {
-        let one = run_to(150, 1, true, 7);
-        let counts = one.samples();
-        assert!(counts.iter().min() < counts.iter().max());
-        for threads in [2, 4] {
-            let film = run_to(150, threads, true, 7);
-            assert_eq!((film.mean(), film.samples()), (one.mean(), counts.clone()), "{threads} threads");
-        }
-        // By other steps to the same total.
-        let scene = mixed();
-        let prepared = Prepared::new(&scene, None);
-        let stop = StopRules { spp: Some(150), ..StopRules::default() };
-        let mut run = Run::new(&prepared, Settings { width: 24, height: 24, seed: 7, threads: 2, stop, is_adaptive: true });
-        for goal in [3, 40, 64, 70, 81, 150] {
-            run.plan.stop.spp = Some(goal);
-            while run.step(&|| false).is_ok() {}
-            assert_eq!(run.film.spp(), goal);
-        }
-        assert_eq!(run.film.mean(), one.mean());
-        assert_eq!(run.film.samples(), counts);
-    }
-
-    #[test]
-    fn adaptive_sampling_keeps_the_mean() {
-        // Against the same number of pictures with equal samples, pixel sums in standard errors of their own scatter.
-        const PICTURES: u64 = 12;
-        let sums = |is_adaptive: bool| -> Vec<f64> {
-            (0..PICTURES)
-                .map(|seed| {
-                    let film = run_to(128, 2, is_adaptive, 2 * seed + u64::from(is_adaptive));
-                    film.mean().iter().flatten().map(|c| f64::from(*c)).sum()
-                })
-                .collect()
-        };
-        let moments = |sums: &[f64]| {
-            let mean = sums.iter().sum::<f64>() / PICTURES as f64;
-            (mean, sums.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (PICTURES * (PICTURES - 1)) as f64)
-        };
-        let (a, b) = (moments(&sums(true)), moments(&sums(false)));
-        let z = (a.0 - b.0) / (a.1 + b.1).sqrt();
-        assert!(z.abs() < 3.5, "{z}: {a:?} {b:?}");
-    }
-
-    #[test]
-    fn a_time_limit_within_the_first_pass_leaves_a_whole_picture() {
-        let scene = mixed();
-        let prepared = Prepared::new(&scene, None);
-        let stop = StopRules { seconds: Some(1e3), ..StopRules::default() };
-        let mut run = Run::new(&prepared, Settings { width: 40, height: 40, seed: 7, threads: 1, stop, is_adaptive: false });
-        run.step(&|| false).expect("there is time");
-        assert_eq!((run.film.total_samples(), run.film.spp(), run.error), (4, 0, None));
-        assert!(run.film.mean().iter().all(|c| c[0] > 0.0));
-        // Time is up: what came in time is kept, and it is the beginning of the same picture.
-        run.settings.stop.seconds = Some(0.0);
-        run.plan.stop.seconds = Some(0.0);
-        assert_eq!(run.step(&|| false), Err(StopReason::Time));
-        assert_eq!(run.film.total_samples(), 4);
-        run.settings.stop.seconds = Some(1e3);
-        while run.film.spp() == 0 {
-            run.step(&|| false).expect("there is time");
-        }
-        assert_eq!(run.film.mean(), picture(&scene, 40, &[1], 1).0.mean());
-    }
-}
+mod tests;

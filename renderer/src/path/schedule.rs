@@ -46,7 +46,7 @@ pub(super) fn render_quotas(
     cancel: &(dyn Fn() -> bool + Sync),
 ) -> Option<PassStats> {
     let threads = threads.max(1);
-    let view = View::new(prepared, film.width, film.height);
+    let view = View::of_film(prepared, film);
     let jobs = jobs(quotas, threads);
     let photons = photon_work(prepared, film, quotas);
     let splats: Vec<Mutex<Vec<Splat>>> = photons.iter().map(|_| Mutex::default()).collect();
@@ -111,7 +111,8 @@ fn photon_work(prepared: &Prepared, film: &Film, quotas: &[Quota]) -> Vec<Photon
     if prepared.caustics.is_none() {
         return Vec::new();
     }
-    let each = photons_per_sample(film.width, film.height);
+    let [width, height] = film.window.full;
+    let each = photons_per_sample(width, height);
     let parts = |sample: u32| {
         let first = u64::from(sample / REPLICATES as u32) * each as u64;
         (0..each).step_by(BATCH).map(move |start| Photons {
@@ -158,7 +159,7 @@ fn render_job(
     let (mut cells, mut places) = (std::mem::take(&mut batch.cells), std::mem::take(&mut batch.places));
     target.load(quotas, &mut cells);
     let samples = |(cell, (quota, first)): (usize, (&Quota, u32))| {
-        let pixel = quota.pixel;
+        let pixel = view.in_picture(quota.pixel);
         (first..first + quota.count).map(move |sample| Place { cell: cell as u32, pixel, sample })
     };
     let firsts: Vec<u32> = cells.iter().map(|cell| cell.count).collect();

@@ -5,7 +5,7 @@ use super::rays::{self, Rays};
 use super::targets::{BLENDED, Targets};
 use super::timing::Timing;
 use super::upload::ObjectBlock;
-use super::{Drawn, Preview, STEPS_BESIDE_RAYS, STEPS_MAX, pipelines, upload};
+use super::{Crop, Drawn, Preview, STEPS_BESIDE_RAYS, STEPS_MAX, pipelines, upload};
 use crate::tonemap::Display;
 use burnish_material::{Lobe, LobeSet};
 use std::sync::Arc;
@@ -191,6 +191,7 @@ impl Preview {
             scene: &scene,
             environment_row: frame.environment,
             size,
+            crop: self.crop.unwrap_or(Crop::all(size)),
             blocks: &values,
             albedos: &self.tables.buffer,
             environment: (&light.radiance, &self.samplers.sphere),

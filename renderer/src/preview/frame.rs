@@ -1,7 +1,7 @@
 //! What differs from picture to picture: the place within the pixel, the stretch of samples, and the camera.
 
-use super::Preview;
 use super::upload::FrameBlock;
+use super::{Crop, Preview};
 use crate::bsdf::interpret;
 use crate::scene::Scene;
 use burnish_material::{LobeSet, Property};
@@ -18,11 +18,13 @@ pub(super) fn samples_on(device: &wgpu::Device) -> u32 {
 impl Preview {
     /// The uniform block of picture number `step`.
     pub(super) fn frame_block(&self, scene: &Scene, width: u32, height: u32, step: u32) -> FrameBlock {
-        let basis = scene.camera.basis(width as f32 / height as f32);
+        let crop = self.crop.unwrap_or(Crop::all([width, height]));
+        let (basis, middle) = crop.basis(&scene.camera, [width, height]);
         let four = |v: Vec3, w: f32| v.extend(w).to_array();
         let bounds = scene.document_bounds();
         let near = ((basis.origin - bounds.center()).length() * 1e-3).max(1e-6);
-        let shift = (jitter(step) * 2.0) / Vec2::new(width as f32, height as f32);
+        // What lies in the middle of the part must come to the middle of what is drawn.
+        let shift = (jitter(step) * 2.0) / Vec2::new(width as f32, height as f32) - Vec2::from(middle);
         let (sin, cos) = scene.environment.rotation_deg.to_radians().sin_cos();
         let light = self.light.as_ref();
         let floor = self.stage.floor.as_ref();

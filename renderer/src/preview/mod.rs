@@ -29,6 +29,7 @@ mod bake;
 mod bake_job;
 mod bloom;
 mod cost;
+mod crop;
 mod device;
 mod draw;
 mod environment;
@@ -43,6 +44,7 @@ mod targets;
 mod timing;
 mod upload;
 
+pub use crop::Crop;
 pub use device::{PreviewError, device_descriptor, headless_device};
 pub use shader::{albedo_table_values, twin_shader};
 pub use timing::FrameTimes;
@@ -103,6 +105,8 @@ pub struct Preview {
     patience: f64,
     /// Whether rays are traced at all.
     has_rays: bool,
+    /// The part of the picture that is drawn; `None`: all of it.
+    crop: Option<Crop>,
     timing: Timing,
     /// Tiles of rays in the last picture, and seconds of each if someone measured them.
     tiles: u32,
@@ -226,6 +230,7 @@ impl Preview {
             bloom: None,
             patience: PATIENCE_SECONDS,
             has_rays: true,
+            crop: None,
             timing: Timing::new(device, queue),
             tiles: 0,
             tile_seconds: 0.0,
@@ -333,6 +338,14 @@ impl Preview {
     pub fn set_rays(&mut self, has_rays: bool) {
         if has_rays != self.has_rays {
             self.has_rays = has_rays;
+            self.restart();
+        }
+    }
+
+    /// Draws a part of a picture from now on: the sizes that are asked for are those of the part. `None`: the whole picture.
+    pub fn set_crop(&mut self, crop: Option<Crop>) {
+        if crop != self.crop {
+            self.crop = crop;
             self.restart();
         }
     }

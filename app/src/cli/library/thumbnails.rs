@@ -111,7 +111,7 @@ pub fn run(arguments: &ThumbnailsArguments) -> Result<Outcome, CliError> {
     report(arguments, &setup, &read, &rows, is_whole, &messages)?;
     if !is_whole {
         let made = rows.iter().filter(|row| row.made.is_some()).count();
-        return Err(CliError::InterruptedAfter(format!("interrupted; {made} pictures were made and are kept")));
+        return Err(CliError::Stopped(format!("interrupted; {made} pictures were made and are kept")));
     }
     Ok(if rows.iter().any(|row| row.problem.is_some()) { Outcome::Findings } else { Outcome::Done })
 }

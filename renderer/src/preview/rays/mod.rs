@@ -7,6 +7,7 @@
 mod pipelines;
 mod upload;
 
+use super::Crop;
 use super::device::PreviewError;
 use super::upload::ObjectBlock;
 use crate::path::Flat;
@@ -58,8 +59,10 @@ pub(super) struct Given<'a> {
     pub scene: &'a Scene,
     /// As in `FrameBlock`.
     pub environment_row: [f32; 4],
-    /// Of the picture, pixels.
+    /// Of what is drawn, pixels.
     pub size: [u32; 2],
+    /// Where that lies in its picture.
+    pub crop: Crop,
     /// The objects as they are drawn, in the order of the scene.
     pub blocks: &'a [ObjectBlock],
     pub albedos: &'a wgpu::Buffer,

@@ -106,7 +106,8 @@ fn sphere_direction(u: vec2f) -> vec3f {
 
 // One sample of the radiance that a pixel receives.
 fn path_radiance(pixel: vec2u, index: u32) -> vec3f {
-    let seed = pixel_seed(rays.seed.x, pixel.y * rays.picture.x + pixel.x);
+    let place = pixel + rays.whole.xy;
+    let seed = pixel_seed(rays.seed.x, place.y * rays.whole.z + place.x);
     let at = (vec2f(pixel) + draw_pair(seed, index, 0u, 0u)) / vec2f(rays.picture.xy) * 2.0 - 1.0;
     let first = normalize(rays.forward.xyz + at.x * rays.right.xyz - at.y * rays.up.xyz);
     var ray = Ray(rays.origin.xyz, first, NONE);

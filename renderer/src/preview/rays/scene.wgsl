@@ -14,12 +14,14 @@ struct Rays {
     scattering: vec4f,
     // Rows and columns of the light's table, 0 without one; code of the tree's root; whether any surface lets rays pass.
     light: vec4u,
-    // Width and height of the picture; number of the first sample; samples.
+    // Width and height of what is drawn; number of the first sample; samples.
     picture: vec4u,
     // First tile, tiles a row, tiles in all, step between them.
     tiles: vec4u,
     // Seed; bounces at most.
     seed: vec4u,
+    // Where what is drawn begins in its picture, and the columns of that.
+    whole: vec4u,
 }
 
 @group(0) @binding(0) var<uniform> rays: Rays;

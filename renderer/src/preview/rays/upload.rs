@@ -23,13 +23,15 @@ pub(super) struct RaysBlock {
     picture: [u32; 4],
     tiles: [u32; 4],
     seed: [u32; 4],
+    whole: [u32; 4],
 }
 
 impl RaysBlock {
     /// `tiles`: the first, those in a row, all, and the step between them; `count` of them are traced.
     pub fn new(given: &Given<'_>, buffers: &SceneBuffers, tiles: [u32; 4], count: u32) -> Self {
         let [width, height] = given.size;
-        let camera = given.scene.camera.basis(width as f32 / height.max(1) as f32);
+        let (mut camera, [across, upwards]) = given.crop.basis(&given.scene.camera, given.size);
+        camera.forward += across * camera.right + upwards * camera.up;
         let four = |v: Vec3, w: f32| v.extend(w).to_array();
         let spread = 2.0 * camera.up.length() / height.max(1) as f32;
         let [absorption, scattering] = camera_medium(&buffers.flat, given.scene, camera.origin);
@@ -46,6 +48,7 @@ impl RaysBlock {
             picture: [width, height, 0, 1],
             tiles,
             seed: [0x5eed, given.scene.max_bounces, count, 0],
+            whole: [given.crop.at[0], given.crop.at[1], given.crop.full[0], 0],
         }
     }
 }

@@ -1,0 +1,81 @@
+//! What pictures of the window say about how they were made.
+
+use super::App;
+use crate::files::texture_path;
+use crate::live_denoise::DenoisedPicture;
+use crate::live_final::SEED;
+use crate::picture_job::{PictureJob, Place, Stop, Texture, folder_of};
+use burnish_renderer::path::StopReason;
+use burnish_renderer::worker::Snapshot;
+use std::path::{Path, PathBuf};
+
+/// A job whose files are still to be read.
+pub(super) struct UnreadJob {
+    job: PictureJob,
+    places: [Option<Place>; 2],
+    textures: Vec<(String, PathBuf)>,
+}
+
+impl UnreadJob {
+    /// The job as the picture at `path` holds it. Reads all files of the scene, which may take its time.
+    pub(super) fn finished(self, path: &Path) -> PictureJob {
+        let folder = folder_of(path);
+        let mut job = self.job;
+        let [mesh, environment] = self.places.map(|place| place.map(|place| place.source(folder.as_deref())));
+        (job.scene.mesh, job.scene.environment) = (mesh, environment);
+        job.textures = self.textures.iter().map(|(name, path)| Texture::of_file(name, path, folder.as_deref())).collect();
+        job
+    }
+}
+
+impl App {
+    /// The job of a picture of the final view; of material and scene only where it shows the present ones.
+    pub(super) fn job_of_final(&self, raw: &Snapshot, denoised: Option<&DenoisedPicture>, is_current: bool) -> UnreadJob {
+        let size = [raw.width, raw.height];
+        let mut unread = if is_current { self.job_of(size) } else { nothing_of(size) };
+        let job = &mut unread.job;
+        job.seed = SEED;
+        let stop = &self.editor.view.stop;
+        job.stop = Stop { spp: stop.spp, seconds: stop.seconds, relmse: stop.relmse };
+        // Coarse pictures, and those that have not a sample in every pixel yet, cannot be told by a number of samples.
+        if raw.scale == 1 && raw.spp > 0 {
+            job.samples = vec![u64::from(raw.spp) * (raw.width * raw.height) as u64];
+        }
+        job.denoiser = denoised.map(|denoised| denoised.denoiser.clone());
+        job.denoise = denoised.map(|denoised| if denoised.denoiser == "burnish" { "burnish" } else { "oidn" }.to_owned());
+        job.reach(raw.spp, raw.done.map(StopReason::word), raw.error.as_ref());
+        unread
+    }
+
+    /// The job of a picture of the preview. Its samples are not counted, so it can be opened but not made again.
+    pub(super) fn job_of_preview(&self, size: [usize; 2]) -> UnreadJob {
+        let mut unread = self.job_of(size);
+        unread.job.view = "preview".to_owned();
+        unread.job.adaptive = false;
+        unread.job.adapter = self.preview.adapter();
+        unread
+    }
+
+    fn job_of(&self, [width, height]: [usize; 2]) -> UnreadJob {
+        let (editor, mut unread) = (&self.editor, nothing_of([width, height]));
+        let (job, document) = (&mut unread.job, &editor.document);
+        if let Some(scene) = editor.scene(width as f32 / height.max(1) as f32) {
+            job.scene.rotation_deg = scene.environment.rotation_deg;
+            job.scene.camera = scene.camera.into();
+            job.scene.max_bounces = scene.max_bounces;
+            job.scene.replaces_material = true;
+            job.scene.unit_mm = editor.model.as_ref().map(|model| model.unit_mm);
+        }
+        job.exposure_ev = editor.view.display.exposure_ev;
+        job.display_transform = editor.view.display.transform.to_string();
+        job.material = Some(document.file().to_text(&document.material));
+        let textures = document.textures.keys();
+        unread.textures = textures.map(|name| (name.clone(), texture_path(name, document.folder()))).collect();
+        unread.places = editor.places.clone();
+        unread
+    }
+}
+
+fn nothing_of(size: [usize; 2]) -> UnreadJob {
+    UnreadJob { job: PictureJob { size, ..PictureJob::new() }, places: [None, None], textures: Vec::new() }
+}
