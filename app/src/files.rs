@@ -3,9 +3,9 @@
 //! What a material file means is in `burnish_material`; here it only gets its path, its folder and its images.
 
 use crate::cli::suggest;
-use burnish_assets::{BuiltInTexture, Image, TextureError, TextureMaker};
 use crate::content_hash;
 use crate::picture_job::{self, PictureJob};
+use burnish_assets::{BuiltInTexture, Image, TextureError, TextureMaker};
 use burnish_material::{FileError, MAX_FILE_BYTES, Material, MaterialFile, Warning};
 use burnish_renderer::scene::TextureSet;
 use std::ffi::OsString;
@@ -230,7 +230,7 @@ pub fn open_embedded(path: &Path, job: Option<&PictureJob>) -> Result<(OpenedMat
     let folder = picture_job::folder_of(path);
     let (mut textures, mut places) = (TextureSet::new(), Vec::new());
     for texture in &job.textures {
-        let place = texture_path(&texture.file, folder.as_deref());
+        let place = folder.as_deref().map_or_else(|| PathBuf::from(&texture.file), |folder| folder.join(&texture.file));
         match burnish_assets::load_image(&place) {
             Ok(image) => {
                 if content_hash::of_file(&place).ok().as_ref() != Some(&texture.hash) {
@@ -239,6 +239,15 @@ pub fn open_embedded(path: &Path, job: Option<&PictureJob>) -> Result<(OpenedMat
                 textures.insert(texture.name.clone(), Arc::new(image));
                 places.push((texture.name.clone(), place));
             }
+            Err(error) => warnings.push(format!("{}: the value is used instead of the texture: {error}", path.display())),
+        }
+    }
+    // What code makes is in no list of files.
+    let mut maker = TextureMaker::default();
+    let names = file.material().slots().filter_map(|(_, slot)| slot.texture.as_ref());
+    for name in names.map(|texture| texture.path.as_str()).filter(|name| BuiltInTexture::parse(name).is_some()) {
+        match load_texture(name, None, &mut maker) {
+            Ok(image) => _ = textures.insert(name.to_owned(), Arc::new(image)),
             Err(error) => warnings.push(format!("{}: the value is used instead of the texture: {error}", path.display())),
         }
     }

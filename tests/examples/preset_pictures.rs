@@ -26,12 +26,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (data, sheet, looks) = (presets.join("data"), presets.join("pictures/sheet.jpg"), presets.join("pictures/looks.txt"));
     let old_looks = fs::read_to_string(&looks).unwrap_or_default();
     let old_sheet = image::open(&sheet).map(|image| image.to_rgb8()).unwrap_or_default();
-    let old: HashMap<&str, (usize, &str)> =
-        old_looks.lines().enumerate().filter_map(|(n, line)| line.split_once(' ').map(|(stem, look)| (stem, (n, look)))).collect();
+    let old: HashMap<&str, (usize, &str)> = old_looks
+        .lines()
+        .enumerate()
+        .filter_map(|(n, line)| line.split_once(' ').map(|(stem, look)| (stem, (n, look))))
+        .collect();
     let frame = Frame { width: OVER * SIDE, height: OVER * SIDE, relmse: RELMSE, ..Frame::default() };
     let setup = Setup::new(Stage::standard().ok_or("there is no built-in scene")?, frame, Vec::new());
     let files = walk(&data, &|| false)?;
-    let entries: Vec<Entry> = files.found.iter().map(|found| Entry::read(&data, found)).collect();
+    let entries: Vec<Entry> = files.files.iter().map(|found| Entry::read(&data, found)).collect();
     let side = SIDE as u32;
     let mut picture = RgbImage::new(side * ACROSS as u32, side * entries.len().div_ceil(ACROSS) as u32);
     let place = |n: usize| (i64::from(side) * (n % ACROSS) as i64, i64::from(side) * (n / ACROSS) as i64);
@@ -74,7 +77,11 @@ fn write(sheet: &Path, looks: &Path, picture: &RgbImage, lines: &[String]) -> Re
     let mut bytes = Vec::new();
     picture.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, QUALITY))?;
     fs::write(sheet, bytes)?;
-    let text: String = lines.iter().enumerate().map(|(n, line)| if line.is_empty() { format!("? {n}\n") } else { format!("{line}\n") }).collect();
+    let text: String = lines
+        .iter()
+        .enumerate()
+        .map(|(n, line)| if line.is_empty() { format!("? {n}\n") } else { format!("{line}\n") })
+        .collect();
     fs::write(looks, text)?;
     Ok(())
 }

@@ -69,8 +69,8 @@ impl App {
         job.exposure_ev = editor.view.display.exposure_ev;
         job.display_transform = editor.view.display.transform.to_string();
         job.material = Some(document.file().to_text(&document.material));
-        let textures = document.textures.keys();
-        unread.textures = textures.map(|name| (name.clone(), texture_path(name, document.folder()))).collect();
+        let file_of = |name: &String| Some((name.clone(), texture_path(name, document.folder())?));
+        unread.textures = document.textures.keys().filter_map(file_of).collect();
         unread.places = editor.places.clone();
         unread
     }

@@ -73,7 +73,8 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
     for sentence in missing {
         messages.warn_about(path, &sentence);
     }
-    let texture_files = textures.keys().map(|name| (name.clone(), files::texture_path(name, path.parent()))).collect();
+    let file_of = |name: &String| Some((name.clone(), files::texture_path(name, path.parent())?));
+    let texture_files = textures.keys().filter_map(file_of).collect();
     for finding in burnish_material::check(&material).iter().filter(|finding| finding.severity >= Severity::Warning) {
         messages.warn(format!("{text}: {}", finding_text(&material, finding)));
     }

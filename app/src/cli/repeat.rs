@@ -7,7 +7,7 @@ use super::render::RenderArguments;
 use super::scene_options::{LoadedScene, SceneOptions};
 use super::{CliError, Messages, tiles};
 use crate::content_hash;
-use crate::files::{self, texture_path};
+use crate::files;
 use crate::picture_file::embedded_job;
 use crate::picture_job::{PROGRAM, PictureJob, Source, Stop, folder_of};
 use crate::scene_file::{MAX_SIDE, MAX_TILED_PIXELS};
@@ -157,7 +157,7 @@ fn text(
 
 /// A file that holds what it held when the picture was made.
 fn unchanged(picture: &Path, what: &str, file: &str, hash: &str) -> Result<PathBuf, CliError> {
-    let path = texture_path(file, folder_of(picture).as_deref());
+    let path = folder_of(picture).map_or_else(|| PathBuf::from(file), |folder| folder.join(file));
     let name = picture.display();
     match content_hash::of_file(&path) {
         Ok(found) if found == hash => Ok(path),

@@ -84,10 +84,10 @@ pub(super) fn with_images(mut entry: Entry, root: &Path, images: &BTreeMap<PathB
     entry
 }
 
-/// Where the images of an entry lie, in the order in which it names them.
+/// Where the images of an entry lie that are files, in the order in which it names them.
 pub(super) fn image_places(root: &Path, entry: &Entry) -> Vec<PathBuf> {
     let file = root.join(&entry.path);
-    entry.textures.iter().map(|texture| crate::files::texture_path(texture, file.parent())).collect()
+    entry.textures.iter().filter_map(|texture| crate::files::texture_path(texture, file.parent())).collect()
 }
 
 fn tables() -> Digest {
