@@ -3,7 +3,7 @@
 use super::set::outside_range;
 use super::{CliError, Messages, suggest};
 use crate::files;
-use burnish_material::{Finding, LimitKind, Material, Severity, Warning};
+use burnish_material::{Finding, LimitKind, Material, MaterialFile, Severity, Warning};
 use burnish_renderer::scene::TextureSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -37,22 +37,11 @@ pub fn find_preset(name: &str) -> Result<&'static burnish_presets::Preset, CliEr
 
 /// Reads what `MATERIAL` means. A refused value is an error here, whereas the editor opens the rest.
 pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliError> {
-    if let Some(name) = preset_name(text) {
-        let preset = find_preset(name)?;
-        let place = format!("preset:{}", preset.name);
-        let (file, warnings) = preset.parse().map_err(|error| CliError::unusable(format!("{place}: {error}")))?;
-        report(&place, &warnings, messages)?;
-        return Ok(LoadedMaterial { material: Arc::new(file.material().clone()), textures: Arc::default() });
+    let material = load_file(text, messages)?.material().clone();
+    if preset_name(text).is_some() {
+        return Ok(LoadedMaterial { material: Arc::new(material), textures: Arc::default() });
     }
-
     let path = Path::new(text);
-    refuse_later_formats(path)?;
-    if !path.exists() && burnish_presets::find(text).is_some() {
-        return Err(CliError::unusable(format!("{text}: there is no such file; did you mean `preset:{text}`?")));
-    }
-    let (file, warnings) = files::read_material(path).map_err(CliError::unusable)?;
-    report(text, &warnings, messages)?;
-    let material = file.material().clone();
     let (textures, missing) = files::load_textures(&material, path.parent());
     for sentence in missing {
         messages.warn_about(path, &sentence);
@@ -61,6 +50,25 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
         messages.warn(format!("{text}: {}", finding_text(&material, finding)));
     }
     Ok(LoadedMaterial { material: Arc::new(material), textures: Arc::new(textures) })
+}
+
+/// The same as the file with its text, without its images.
+pub fn load_file(text: &str, messages: &mut Messages) -> Result<MaterialFile, CliError> {
+    if let Some(name) = preset_name(text) {
+        let preset = find_preset(name)?;
+        let place = format!("preset:{}", preset.name);
+        let (file, warnings) = preset.parse().map_err(|error| CliError::unusable(format!("{place}: {error}")))?;
+        report(&place, &warnings, messages)?;
+        return Ok(file);
+    }
+    let path = Path::new(text);
+    refuse_later_formats(path)?;
+    if !path.exists() && burnish_presets::find(text).is_some() {
+        return Err(CliError::unusable(format!("{text}: there is no such file; did you mean `preset:{text}`?")));
+    }
+    let (file, warnings) = files::read_material(path).map_err(CliError::unusable)?;
+    report(text, &warnings, messages)?;
+    Ok(file)
 }
 
 /// A finding with its property; a value outside a range that renderers enforce is told as `--set` tells it.

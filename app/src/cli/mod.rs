@@ -6,10 +6,13 @@
 pub mod check;
 pub mod compare;
 pub mod converge;
+pub mod diff;
 pub mod features;
 mod interrupt;
 pub mod library;
+mod library_check;
 mod material_argument;
+pub mod merge;
 pub mod parity;
 pub mod presets;
 mod progress_line;
@@ -30,7 +33,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader", "turntable"];
+const LATER_COMMANDS: &[&str] = &["convert", "shader", "turntable"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -62,11 +65,15 @@ enum Command {
     Parity(Box<parity::ParityArguments>),
     /// Lists, shows and searches the built-in materials
     Presets(presets::PresetsArguments),
-    /// Checks material files, or all in a folder: whether they can be read, and ranges
+    /// Checks material files, or all in a folder: whether they can be read, and what is hardly meant
     Check(check::CheckArguments),
+    /// Lists what two materials differ in, value by value
+    Diff(Box<diff::DiffArguments>),
+    /// Puts two versions of a material together that were made from a third
+    Merge(merge::MergeArguments),
     /// Reports which lobes a material needs, and what leaving out the others saves
     Features(Box<features::FeaturesArguments>),
-    /// A folder of materials as a library: what is in it, and small pictures of it
+    /// A folder of materials as a library: what is in it, small pictures of it, and whether it can be handed out
     Library(library::LibraryArguments),
     /// Probes materials numerically at extremes; without one, the built-in suite
     Stability(Box<stability::StabilityArguments>),
@@ -146,7 +153,7 @@ pub fn main() -> ExitCode {
         && !Path::new(word).exists()
     {
         return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, features, library, stability or files to open"
+            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, diff, merge, features, library, stability or files to open"
         ))));
     }
     let arguments = match Arguments::try_parse_from(words) {
@@ -169,6 +176,8 @@ pub fn main() -> ExitCode {
                 Command::Parity(arguments) => parity::run(&arguments),
                 Command::Presets(arguments) => presets::run(&arguments),
                 Command::Check(arguments) => check::run(&arguments),
+                Command::Diff(arguments) => diff::run(&arguments),
+                Command::Merge(arguments) => merge::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),
                 Command::Library(arguments) => library::run(&arguments),
                 Command::Stability(arguments) => stability::run(&arguments),

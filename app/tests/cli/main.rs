@@ -10,6 +10,7 @@ use tempfile::TempDir;
 
 mod library;
 mod measure;
+mod release;
 mod render;
 mod usage;
 
