@@ -178,7 +178,9 @@ fn combinations(m: &Material) -> Vec<Finding> {
                 "reflectance {lowest} in {channel} is below every metal and alloy in the library (lowest: titanium nitride \
                  {LOWEST_METAL_REFLECTANCE}, gold 0.31)"
             );
-            add(Severity::Warning, FindingKind::Unlikely, P::base_color, message);
+            // Below a coat it may be flakes in a tinted lacquer.
+            let is_bare = number(P::coat) == Some(0.0);
+            add(if is_bare { Severity::Warning } else { Severity::Note }, FindingKind::Unlikely, P::base_color, message);
         }
         let is_diffuse = metallic == Some(0.0) && number(P::translucency).is_none_or(|x| x < 1.0);
         let highest = base.iter().copied().fold(f64::NEG_INFINITY, f64::max);

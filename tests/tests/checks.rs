@@ -167,7 +167,7 @@ fn images_count_by_their_pixels() {
 }
 
 #[test]
-fn what_looks_the_same_is_found_and_what_does_not_hold_is_an_error() {
+fn what_looks_the_same_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     for (name, properties) in [
@@ -267,7 +267,8 @@ fn a_library_is_compared_with_an_earlier_release() {
 fn differences_are_listed_entry_by_entry() {
     let mut a = Material::named("Gold");
     a.set(Property::roughness, Value::Float(0.3)).set(Property::base_color, Value::Color([1.0, 0.5, 0.25]));
-    let mut b = Material { notes: "Second".to_owned(), unit_mm: Some(1.0), ..a.clone() };
+    let mut b = a.clone();
+    (b.notes, b.unit_mm) = ("Second".to_owned(), Some(1.0));
     b.provenance.licence = "MIT".to_owned();
     assert!(changes(&a, &a.clone()).is_empty());
     // The default, written out, is none.
@@ -300,7 +301,8 @@ fn differences_are_listed_entry_by_entry() {
 #[test]
 fn conflicts_are_told_and_decided() {
     let of = |name: &str, roughness: f64, distance: f64, unit: Option<f64>| {
-        let mut material = Material { unit_mm: unit, ..Material::named(name) };
+        let mut material = Material::named(name);
+        material.unit_mm = unit;
         material.set(Property::roughness, Value::Float(roughness)).set(Property::scatter_distance, Value::Float(distance));
         material
     };
@@ -353,7 +355,8 @@ fn material() -> impl Strategy<Value = Material> {
     let tags = subsequence(vec!["a", "b", "c", "d"], 0..=4);
     (edits, words(), words(), tags, select(vec![None, Some(100.0), Some(1.0)])).prop_map(
         |(edits, name, licence, tags, unit_mm)| {
-            let mut material = Material { unit_mm, ..Material::named(name) };
+            let mut material = Material::named(name);
+            material.unit_mm = unit_mm;
             material.provenance.licence = licence.to_owned();
             material.tags = tags.into_iter().map(str::to_owned).collect();
             for (property, choice) in edits {
