@@ -94,7 +94,9 @@ impl Checker<'_> {
             report.add(path, None, Severity::Warning, key, message, Kind::Scale);
         }
         for (key, message) in doubts::provenance(material) {
-            report.add(path, None, Severity::Warning, key, message.to_owned(), Kind::Provenance);
+            // What is not handed out may keep its origin to itself.
+            let severity = if self.library.is_some() { Severity::Warning } else { Severity::Note };
+            report.add(path, None, severity, key, message.to_owned(), Kind::Provenance);
         }
     }
 

@@ -180,7 +180,8 @@ pub fn check_files(
     check(paths, None, options, progress, is_cancelled)
 }
 
-/// Checks a library that is to be handed out: values outside their range and missing images are errors, and small pictures are looked at.
+/// Checks a library that is to be handed out: values outside their range and missing images are errors, a missing
+/// source or licence is a warning, and small pictures are looked at.
 ///
 /// `None` if it is cancelled.
 pub fn check_library(
