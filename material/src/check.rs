@@ -30,11 +30,32 @@ impl Severity {
     }
 }
 
+/// What a finding is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FindingKind {
+    /// A value outside the range that renderers enforce, or that is no number.
+    Range,
+    /// A value outside the typical range.
+    Typical,
+    /// How a texture is placed or used.
+    Texture,
+    /// A value that no real substance has.
+    Unlikely,
+    /// Values that are odd only together.
+    Combination,
+    /// A value without effect.
+    Effect,
+    /// The unit of lengths.
+    Scale,
+}
+
 /// One odd thing about a material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// How much it matters.
     pub severity: Severity,
+    /// What it is about.
+    pub kind: FindingKind,
     /// The property to look at; `None` for the material as a whole.
     pub property: Option<Property>,
     /// A sentence without the name of the property.
@@ -64,7 +85,7 @@ pub fn check(material: &Material) -> Vec<Finding> {
         let is_default = slot.value.is_none_or(|value| value == property.def().default) && slot.texture.is_none();
         if let Some(lobe) = Some(property).filter(|_| !is_default).and_then(|property| idle_lobe(material, property)) {
             let message = format!("no effect on this material: {} is left out. {}", lobe.name, lobe.doc);
-            findings.push(Finding { severity: Severity::Note, property: Some(property), message });
+            findings.push(Finding { severity: Severity::Note, kind: FindingKind::Effect, property: Some(property), message });
         }
     }
     check_unit(material, &mut findings);
@@ -73,30 +94,38 @@ pub fn check(material: &Material) -> Vec<Finding> {
 }
 
 fn check_slot(def: &PropertyDef, slot: &Slot, findings: &mut Vec<Finding>) {
-    let mut add = |severity, message| findings.push(Finding { severity, property: Some(def.id), message });
+    let mut add = |severity, kind, message| findings.push(Finding { severity, kind, property: Some(def.id), message });
     if let Some(texture) = &slot.texture {
         if def.vary == Vary::Uniform {
-            add(Severity::Error, "has a texture, but takes one value for the whole material; renderers use the value".into());
+            add(
+                Severity::Error,
+                FindingKind::Texture,
+                "has a texture, but takes one value for the whole material; renderers use the value".into(),
+            );
         }
         if texture.path.is_empty() {
-            add(Severity::Error, "has a texture without a path".into());
+            add(Severity::Error, FindingKind::Texture, "has a texture without a path".into());
         }
         if [texture.uv_scale, texture.uv_offset, [texture.uv_rotation, 0.0]].iter().flatten().any(|x| !x.is_finite()) {
-            add(Severity::Error, "has a texture whose placement holds a number that is not finite".into());
+            add(Severity::Error, FindingKind::Texture, "has a texture whose placement holds a number that is not finite".into());
         } else if texture.uv_scale.contains(&0.0) {
-            add(Severity::Warning, "has a texture scaled by 0, which shows a single line or point of the image".into());
+            add(
+                Severity::Warning,
+                FindingKind::Texture,
+                "has a texture scaled by 0, which shows a single line or point of the image".into(),
+            );
         }
     }
     let Some(value) = slot.value else { return };
     let numbers = value.numbers();
     if let Some(bad) = numbers.iter().find(|x| !x.is_finite()) {
-        add(Severity::Error, format!("{bad} is not a finite number; renderers use a finite one"));
+        add(Severity::Error, FindingKind::Range, format!("{bad} is not a finite number; renderers use a finite one"));
         return;
     }
     if let (Value::Normal(normal), true) = (value, slot.texture.is_none()) {
         let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
         if (length - 1.0).abs() > 0.01 {
-            add(Severity::Warning, format!("has length {length:.3}; a direction has length 1"));
+            add(Severity::Warning, FindingKind::Range, format!("has length {length:.3}; a direction has length 1"));
         }
     }
     // Of a colour, the number that is furthest outside speaks for all three.
@@ -107,9 +136,12 @@ fn check_slot(def: &PropertyDef, slot: &Slot, findings: &mut Vec<Finding>) {
     match def.limits.kind {
         LimitKind::Hard => add(
             Severity::Error,
+            FindingKind::Range,
             format!("{worst} is outside the {range}; used as {} by the renderers", def.limits.enforce(worst)),
         ),
-        LimitKind::Typical => add(Severity::Note, format!("{worst} is outside the {range}; legal, and used as it is")),
+        LimitKind::Typical => {
+            add(Severity::Note, FindingKind::Typical, format!("{worst} is outside the {range}; legal, and used as it is"))
+        }
         LimitKind::Open => {}
     }
 }
@@ -117,7 +149,7 @@ fn check_slot(def: &PropertyDef, slot: &Slot, findings: &mut Vec<Finding>) {
 fn check_unit(material: &Material, findings: &mut Vec<Finding>) {
     if let Some(unit) = material.unit_mm.filter(|unit| !(unit.is_finite() && *unit > 0.0)) {
         let message = format!("unit_mm is {unit}, expected a positive number; used as {}", material.unit_mm());
-        findings.push(Finding { severity: Severity::Error, property: None, message });
+        findings.push(Finding { severity: Severity::Error, kind: FindingKind::Scale, property: None, message });
     }
 }
 
@@ -125,8 +157,8 @@ fn check_unit(material: &Material, findings: &mut Vec<Finding>) {
 fn combinations(m: &Material) -> Vec<Finding> {
     use Property as P;
     let mut findings = Vec::new();
-    let mut add = |severity, property: Property, message: String| {
-        findings.push(Finding { severity, property: Some(property), message });
+    let mut add = |severity, kind, property: Property, message: String| {
+        findings.push(Finding { severity, kind, property: Some(property), message });
     };
     let number = |property| Some(property).filter(|p| !m.is_textured(*p)).map(|p| m.float(p));
     let color = |property| Some(property).filter(|p| !m.is_textured(*p)).map(|p| m.color(p));
@@ -136,7 +168,7 @@ fn combinations(m: &Material) -> Vec<Finding> {
 
     if let Some(metallic) = metallic.filter(|x| *x > 0.0 && *x < 1.0) {
         let message = format!("{metallic} is between a dielectric and a metal, which no homogeneous substance is");
-        add(Severity::Note, P::metallic, message);
+        add(Severity::Note, FindingKind::Unlikely, P::metallic, message);
     }
     if let Some(base) = color(P::base_color) {
         let lowest = base.iter().copied().fold(f64::INFINITY, f64::min);
@@ -146,41 +178,63 @@ fn combinations(m: &Material) -> Vec<Finding> {
                 "reflectance {lowest} in {channel} is below every metal and alloy in the library (lowest: titanium nitride \
                  {LOWEST_METAL_REFLECTANCE}, gold 0.31)"
             );
-            add(Severity::Warning, P::base_color, message);
+            // Below a coat it may be flakes in a tinted lacquer.
+            let is_bare = number(P::coat) == Some(0.0);
+            add(if is_bare { Severity::Warning } else { Severity::Note }, FindingKind::Unlikely, P::base_color, message);
         }
         let is_diffuse = metallic == Some(0.0) && number(P::translucency).is_none_or(|x| x < 1.0);
         let highest = base.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if is_diffuse && lowest > *PLAUSIBLE_ALBEDO.end() && lowest <= 1.0 {
-            add(Severity::Note, P::base_color, format!("an albedo of {lowest} or more is brighter than anything but fresh snow"));
+            add(
+                Severity::Note,
+                FindingKind::Unlikely,
+                P::base_color,
+                format!("an albedo of {lowest} or more is brighter than anything but fresh snow"),
+            );
         }
         if is_diffuse && (0.0..*PLAUSIBLE_ALBEDO.start()).contains(&highest) {
-            add(Severity::Note, P::base_color, format!("an albedo of {highest} or less is darker than soot"));
+            add(
+                Severity::Note,
+                FindingKind::Unlikely,
+                P::base_color,
+                format!("an albedo of {highest} or less is darker than soot"),
+            );
         }
     }
     for (property, lobe_in) in [(P::specular_ior, true), (P::coat_ior, number(P::coat).is_none_or(|x| x > 0.0))] {
         let ior = m.float(property);
         if lobe_in && ior < 1.0 {
             let message = format!("{ior} is below 1: light would be faster inside than in air, as in no solid or liquid");
-            add(Severity::Warning, property, message);
+            add(Severity::Warning, FindingKind::Unlikely, property, message);
         }
     }
     if number(P::coat).is_none_or(|x| x > 0.0) && m.float(P::coat_ior) == 1.0 {
-        add(Severity::Note, P::coat_ior, "a coat of index 1 has no reflection of its own; it only tints".into());
+        add(
+            Severity::Note,
+            FindingKind::Effect,
+            P::coat_ior,
+            "a coat of index 1 has no reflection of its own; it only tints".into(),
+        );
     }
     if transmits && number(P::opacity).is_none_or(|x| x < 1.0) {
         let message = "below 1 together with translucency: opacity is evaluated at every interface, so light also passes without refraction";
-        add(Severity::Warning, P::opacity, message.into());
+        add(Severity::Warning, FindingKind::Combination, P::opacity, message.into());
     }
     if m.switch(P::scatter) && has_interior && m.float(P::scatter_distance) == 0.0 {
         let message = "0 while scatter is on: no light could enter; renderers use the smallest distance they can";
-        add(Severity::Error, P::scatter_distance, message.into());
+        add(Severity::Error, FindingKind::Combination, P::scatter_distance, message.into());
     }
     if m.float(P::absorption_distance) > 0.0 && color(P::absorption_color) == Some([1.0; 3]) {
-        add(Severity::Note, P::absorption_distance, "no effect with a white absorption color, which absorbs nothing".into());
+        add(
+            Severity::Note,
+            FindingKind::Effect,
+            P::absorption_distance,
+            "no effect with a white absorption color, which absorbs nothing".into(),
+        );
     }
     if m.float(P::dispersion) > 2.5 && transmits {
         let message = format!("{} is beyond every measured transparent crystal (zinc selenide: 2.48)", m.float(P::dispersion));
-        add(Severity::Note, P::dispersion, message);
+        add(Severity::Note, FindingKind::Unlikely, P::dispersion, message);
     }
     findings
 }

@@ -10,11 +10,13 @@ mod tree;
 mod write;
 
 use std::fmt;
+use std::ops::Range;
 
 use crate::material::Material;
 use crate::properties::Property;
 use crate::value::Value;
 use tree::Block;
+pub(crate) use write::{TEXTS, same_slot, same_texture, same_value, slot as slot_text, string, texture, value as value_text};
 
 /// Version of the model that new files state.
 pub const ASM_VERSION: &str = "4.0";
@@ -31,6 +33,8 @@ pub struct MaterialFile {
     properties: Option<Block>,
     unreadable: Vec<Unreadable>,
     unknown: Vec<String>,
+    /// Values of the unknown keys.
+    unknown_spans: Vec<Range<usize>>,
 }
 
 impl MaterialFile {
@@ -83,6 +87,13 @@ impl MaterialFile {
     /// Keys that mean nothing to this version, as paths such as `properties.velvet`. They are kept.
     pub fn unknown_keys(&self) -> &[String] {
         &self.unknown
+    }
+
+    /// What is kept in the file beside the material, as pairs of key and text: unknown keys in the order of the file, and entries of
+    /// `sources` such as `sources.roughness`.
+    pub fn other_entries(&self) -> Vec<(String, &str)> {
+        let unknown = self.unknown.iter().zip(&self.unknown_spans).map(|(key, span)| (key.clone(), &self.text[span.clone()]));
+        unknown.chain(read::sources(&self.text, &self.top)).collect()
     }
 
     /// Where the value of one property comes from, if the file says so under `sources`.

@@ -3,16 +3,18 @@
 //! This crate opens no files, starts no threads and knows neither a window nor a GPU: text in, text out.
 
 mod check;
+pub mod diff;
 mod file;
 mod lobes;
 mod material;
+pub mod merge;
 mod properties;
 mod reference;
 mod slot;
 mod value;
 mod wgsl;
 
-pub use check::{Finding, Severity, check, has_errors};
+pub use check::{Finding, FindingKind, Severity, check, has_errors};
 pub use file::{ASM_VERSION, FileError, MAX_FILE_BYTES, MaterialFile, Unreadable, ValueSource, Warning};
 pub use lobes::{LOBES, Lobe, LobeDef, LobeSet, idle_lobe};
 pub use material::{DEFAULT_UNIT_MM, Material, Provenance};

@@ -82,6 +82,9 @@ fn unlikely_combinations_are_found() {
     let metal = float(P::metallic, 1.0);
     expect(&[float(P::metallic, 0.5)], Note, P::metallic, "between a dielectric and a metal");
     expect(&[metal, color(P::base_color, [0.9, 0.7, 0.02])], Warning, P::base_color, "0.02 in blue is below every metal");
+    // Flakes below a clear coat.
+    let paint = [metal, float(P::coat, 1.0), color(P::base_color, [0.02, 0.1, 0.4])];
+    expect(&paint, Note, P::base_color, "0.02 in red is below every metal");
     expect(&[color(P::base_color, [0.95; 3])], Note, P::base_color, "fresh snow");
     expect(&[color(P::base_color, [0.01; 3])], Note, P::base_color, "soot");
     expect(&[float(P::specular_ior, 0.9)], Warning, P::specular_ior, "below 1");

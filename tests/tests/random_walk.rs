@@ -4,7 +4,7 @@
 //! `BURNISH_WALKS=1000 cargo test -p burnish-tests --test random_walk`. `BURNISH_WALK=17` takes the one of this number alone.
 
 use burnish::command::{COMMANDS, Command};
-use burnish_material::{Kind, PROPERTIES, PropertyDef, Slot, TextureRef, Value, Vary};
+use burnish_material::{DEFAULT_UNIT_MM, Kind, Material, MaterialFile, PROPERTIES, PropertyDef, Slot, TextureRef, Value, Vary};
 use burnish_tests::number::Random;
 use burnish_tests::window::{Window, app, app_mut, button, settle, text, window_of};
 use egui::{Event, Key, Modifiers, Pos2, pos2, vec2};
@@ -138,6 +138,10 @@ fn walk(seed: u64) {
         window.step();
         answer(&mut random, &mut window);
         beginnings.insert(std::fs::read_to_string(&path).expect("it is there"));
+        // And what is new has the unit that the preferences say, which are commands as well.
+        let unit_mm = app(&window).preferences().unit_mm;
+        let unit_mm = (unit_mm != DEFAULT_UNIT_MM).then_some(unit_mm);
+        beginnings.insert(MaterialFile::new(&Material { unit_mm, ..Material::named("New material") }).text().to_owned());
     }
     settle(&mut window);
     // Nothing is being typed or held any more, and no question waits.

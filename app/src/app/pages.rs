@@ -21,8 +21,8 @@ impl App {
             Page::Recovery => self.recovery_page(ctx),
             Page::BatchEdit | Page::Rename | Page::Measured => {
                 let (title, size) = match page {
-                    Page::BatchEdit => ("Edit materials", [430.0, 250.0]),
-                    Page::Rename => ("Rename", [360.0, 110.0]),
+                    Page::BatchEdit => ("Edit materials", [430.0, 290.0]),
+                    Page::Rename => ("Rename", [400.0, 150.0]),
                     _ => ("New from measured", [560.0, 520.0]),
                 };
                 let mut stays = true;

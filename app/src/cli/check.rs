@@ -1,15 +1,18 @@
-//! `burnish check`: whether material files can be read, and whether their values lie in the stated ranges.
+//! `burnish check`: whether material files can be read, and what about them is hardly meant.
 //!
-//! Findings are the result, so they go to standard output. It does not judge pictures, provenance or duplicates.
+//! Findings are the result, so they go to standard output. A folder that is handed out is checked by `burnish library check`, which is stricter.
 
+use super::progress_line::ProgressLine;
+use super::scene_options::SceneOptions;
 use super::{CliError, Outcome, interrupt, print_out};
-use crate::files::{self, FilesError};
+use crate::library::check::{Checked, Options, Row, check_files};
+use crate::library::scan::Progress;
 use crate::library::walk::walk;
-use burnish_material::{FileError, Material, Severity};
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 /// Arguments of `burnish check`.
 #[derive(Debug, Args)]
@@ -25,48 +28,69 @@ pub struct CheckArguments {
     json: bool,
 }
 
-/// One finding in one file.
-struct Row {
-    file: String,
-    line: Option<usize>,
-    severity: Severity,
-    key: String,
-    message: String,
-}
-
 /// Checks all files and prints what was found.
 pub fn run(arguments: &CheckArguments) -> Result<Outcome, CliError> {
     let files = material_files(&arguments.paths)?;
-    let mut rows = Vec::new();
-    for path in &files {
-        interrupt::check()?;
-        check_file(path, &mut rows);
-    }
-    let count_of = |severity| rows.iter().filter(|row| row.severity == severity).count();
-    let (errors, warnings) = (count_of(Severity::Error), count_of(Severity::Warning));
+    let options = Options { threads: SceneOptions::default().threads(), ..Options::default() };
+    let checked = with_progress("checking", |tell| check_files(&files, &options, tell, &interrupt::is_interrupted))?;
     if arguments.json {
-        let rows: Vec<_> = rows.iter().map(json_row).collect();
-        print_out(&json!({ "files": files.len(), "errors": errors, "warnings": warnings, "rows": rows }).to_string())?;
+        print_out(&json_object(&checked).to_string())?;
     } else {
-        let lines: String = rows.iter().map(text_row).collect();
-        let counts = [(files.len(), "file"), (errors, "error"), (warnings, "warning")].map(|(n, word)| count(n, word));
-        print_out(&format!("{lines}{}", counts.join(", ")))?;
+        let lines: String = checked.rows.iter().map(text_row).collect();
+        print_out(&format!("{lines}{}", counts(&checked)))?;
     }
-    Ok(if errors > 0 || (arguments.strict && warnings > 0) { Outcome::Findings } else { Outcome::Done })
+    Ok(outcome(&checked, arguments.strict))
 }
 
-fn count(n: usize, word: &str) -> String {
-    format!("{n} {word}{}", if n == 1 { "" } else { "s" })
+/// Does something that takes a while with a line that says how far it is; an error if it was interrupted.
+pub(super) fn with_progress<T>(what: &str, work: impl FnOnce(&(dyn Fn(Progress) + Sync)) -> Option<T>) -> Result<T, CliError> {
+    let line = Mutex::new(ProgressLine::new());
+    let tell = |Progress { done, total }: Progress| {
+        line.lock().unwrap_or_else(PoisonError::into_inner).show(|| format!("{what}: {done} of {total}"));
+    };
+    let answer = work(&tell);
+    line.into_inner().unwrap_or_else(PoisonError::into_inner).clear();
+    interrupt::check()?;
+    answer.ok_or(CliError::Interrupted)
 }
 
-fn json_row(row: &Row) -> serde_json::Value {
-    json!({ "file": row.file, "line": row.line, "severity": row.severity.word(), "key": row.key, "message": row.message })
+/// Exit code 1 from the first error; where it is strict, from the first warning.
+pub(super) fn outcome(checked: &Checked, is_strict: bool) -> Outcome {
+    if checked.errors > 0 || (is_strict && checked.warnings > 0) { Outcome::Findings } else { Outcome::Done }
 }
 
-fn text_row(row: &Row) -> String {
+/// Counts, rows and pairs.
+pub(super) fn json_object(checked: &Checked) -> Value {
+    let rows: Vec<Value> = checked.rows.iter().map(json_row).collect();
+    let pairs = checked.pairs.iter().map(|pair| {
+        json!({ "a": pair.a.to_string_lossy(), "b": pair.b.to_string_lossy(), "kind": pair.kind.word(), "distance": pair.distance })
+    });
+    let pairs: Vec<Value> = pairs.collect();
+    json!({ "files": checked.files, "errors": checked.errors, "warnings": checked.warnings, "rows": rows, "pairs": pairs })
+}
+
+/// `3 files, 1 error, 0 warnings`.
+pub(super) fn counts(checked: &Checked) -> String {
+    let counts = [(checked.files, "file"), (checked.errors, "error"), (checked.warnings, "warning")];
+    counts.map(|(n, word)| format!("{n} {word}{}", if n == 1 { "" } else { "s" })).join(", ")
+}
+
+fn json_row(row: &Row) -> Value {
+    json!({
+        "file": row.path.to_string_lossy(),
+        "line": row.line,
+        "severity": row.severity.word(),
+        "kind": row.kind.word(),
+        "key": row.key,
+        "message": row.message,
+    })
+}
+
+/// One line for people.
+pub(super) fn text_row(row: &Row) -> String {
     let line = row.line.map_or_else(String::new, |line| format!(":{line}"));
     let key = if row.key.is_empty() { String::new() } else { format!("{}: ", row.key) };
-    format!("{}{line}: {}: {key}{}\n", row.file, row.severity.word(), row.message)
+    format!("{}{line}: {}: {key}{}\n", row.path.display(), row.severity.word(), row.message)
 }
 
 /// All material files among the paths and below them, each once, in the order of their names.
@@ -95,50 +119,4 @@ fn material_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CliError> {
     files.sort();
     files.dedup();
     Ok(files)
-}
-
-fn check_file(path: &Path, rows: &mut Vec<Row>) {
-    let file_name = path.display().to_string();
-    let mut add = |line: Option<usize>, severity: Severity, key: &str, message: String| {
-        rows.push(Row { file: file_name.clone(), line, severity, key: key.to_owned(), message });
-    };
-    let (file, warnings) = match files::read_material(path) {
-        Ok(read) => read,
-        Err(FilesError::Material { source, .. }) => {
-            let line = match source {
-                FileError::NotRon { line, .. } | FileError::NotMap { line, .. } | FileError::DuplicateKey { line, .. } => {
-                    Some(line)
-                }
-                FileError::TooLarge { .. } => None,
-            };
-            return add(line, Severity::Error, "", source.to_string());
-        }
-        Err(error) => {
-            let message = error.to_string();
-            let message = message.strip_prefix(&format!("{file_name}: ")).unwrap_or(&message);
-            return add(None, Severity::Error, "", message.to_owned());
-        }
-    };
-    for warning in warnings {
-        let severity = if warning.is_refused { Severity::Error } else { Severity::Warning };
-        add(Some(warning.line), severity, &warning.key, warning.message);
-    }
-    for finding in burnish_material::check(file.material()) {
-        let key = finding.property.map_or("", |property| property.def().name);
-        // A value outside its range can be rendered, clamped: only what cannot be read fails the file.
-        add(None, finding.severity.min(Severity::Warning), key, finding.message);
-    }
-    for (key, message) in unusable_textures(file.material(), path.parent()) {
-        add(None, Severity::Warning, key, message);
-    }
-}
-
-/// Images that a material names and that cannot be read; their pixels are not looked at.
-fn unusable_textures(material: &Material, folder: Option<&Path>) -> Vec<(&'static str, String)> {
-    let textures = material.slots().filter_map(|(property, slot)| Some((property.def().name, slot.texture.as_ref()?)));
-    // A texture without a path is a finding already.
-    textures
-        .filter(|(_, texture)| !texture.path.is_empty())
-        .filter_map(|(key, texture)| Some((key, files::texture_problem(&texture.path, folder)?)))
-        .collect()
 }

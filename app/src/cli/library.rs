@@ -1,13 +1,15 @@
-//! `burnish library`: a folder of materials as a library: what is in it, and small pictures of it.
+//! `burnish library`: a folder of materials as a library: what is in it, small pictures of it, and whether it can be handed out.
 //!
 //! A file that cannot be used is a finding and does not keep the others from being looked at. What is known of a library is kept in the cache
 //! folder of the user, and with it small pictures unless `--out` names another folder.
 
 mod thumbnails;
 
+use super::library_check::{self, LibraryCheckArguments};
 use super::progress_line::ProgressLine;
 use super::scene_options::SceneOptions;
 use super::{CliError, Messages, Outcome, interrupt, print_out};
+use crate::library::digest::Digest;
 use crate::library::entry::Entry;
 use crate::library::index::Index;
 use crate::library::query::{Facts, Query};
@@ -38,6 +40,8 @@ enum Action {
         size.value_name("SIDE|WxH").value_parser(thumbnails::picture_size).help("Size of the pictures in pixels [default: 256]")
     }))]
     Thumbnails(Box<thumbnails::ThumbnailsArguments>),
+    /// Checks the materials in a folder and below before they are handed out, and compares them with an earlier release
+    Check(LibraryCheckArguments),
 }
 
 /// Arguments of `burnish library index`.
@@ -59,19 +63,20 @@ pub fn run(arguments: &LibraryArguments) -> Result<Outcome, CliError> {
     match &arguments.action {
         Action::Index(arguments) => index(arguments),
         Action::Thumbnails(arguments) => thumbnails::run(arguments),
+        Action::Check(arguments) => library_check::run(arguments),
     }
 }
 
 /// A library that was read.
-struct Read {
-    scanned: Scanned,
+pub(super) struct Read {
+    pub scanned: Scanned,
     places: LibraryPlaces,
-    shelf: Shelf,
-    seconds: f64,
+    pub shelf: Shelf,
+    pub seconds: f64,
 }
 
 /// Reads the library in a folder, and keeps what is known of it. Pictures are those in `out`, else those in the cache.
-fn read(folder: &Path, threads: usize, out: Option<&Path>, messages: &mut Messages) -> Result<Read, CliError> {
+pub(super) fn read(folder: &Path, threads: usize, out: Option<&Path>, messages: &mut Messages) -> Result<Read, CliError> {
     let start = Instant::now();
     let places = LibraryPlaces::of(folder, &Places::find());
     let shelf = out.or(places.pictures.as_deref()).map_or_else(Shelf::default, Shelf::open);
@@ -112,8 +117,7 @@ fn index(arguments: &IndexArguments) -> Result<Outcome, CliError> {
         return Err(CliError::unusable(format!("--search: {problem}")));
     }
     let read = read(&arguments.folder, SceneOptions::default().threads(), None, &mut messages)?;
-    let stage = Stage::standard().ok_or_else(|| CliError::unusable("there is no mesh or no environment"))?;
-    let setup = Setup::new(stage, Frame::default(), Vec::new()).digest();
+    let setup = standard_setup()?;
     let (marks, problem) = read.places.marks.as_deref().map_or_else(Default::default, Marks::load);
     problem.into_iter().for_each(|problem| messages.warn(problem));
 
@@ -156,6 +160,12 @@ fn index(arguments: &IndexArguments) -> Result<Outcome, CliError> {
         print_out(&lines)?;
     }
     Ok(if broken > 0 { Outcome::Findings } else { Outcome::Done })
+}
+
+/// How small pictures are taken unless something says otherwise.
+pub(super) fn standard_setup() -> Result<Digest, CliError> {
+    let stage = Stage::standard().ok_or_else(|| CliError::unusable("there is no mesh or no environment"))?;
+    Ok(Setup::new(stage, Frame::default(), Vec::new()).digest())
 }
 
 fn index_row(entry: &Entry, state: State) -> Value {

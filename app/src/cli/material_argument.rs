@@ -42,14 +42,15 @@ pub fn find_preset(name: &str) -> Result<&'static burnish_presets::Preset, CliEr
 
 /// Reads what `MATERIAL` means. A refused value is an error here, whereas the editor opens the rest.
 pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliError> {
-    if let Some(name) = preset_name(text) {
-        let preset = find_preset(name)?;
-        let place = format!("preset:{}", preset.name);
-        let (file, warnings) = preset.parse().map_err(|error| CliError::unusable(format!("{place}: {error}")))?;
-        report(&place, &warnings, messages)?;
-        let material = file.material().clone();
+    let path = Path::new(text);
+    if preset_name(text).is_none() && burnish_assets::is_image_path(path) {
+        return of_picture(path, messages);
+    }
+    let file = load_file(text, messages)?;
+    let material = file.material().clone();
+    if preset_name(text).is_some() {
         let (textures, problems) = files::load_textures(&material, None);
-        problems.into_iter().for_each(|problem| messages.warn(format!("{place}: {problem}")));
+        problems.into_iter().for_each(|problem| messages.warn(format!("{text}: {problem}")));
         return Ok(LoadedMaterial {
             material: Arc::new(material),
             textures: Arc::new(textures),
@@ -57,18 +58,6 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
             ..LoadedMaterial::default()
         });
     }
-
-    let path = Path::new(text);
-    refuse_later_formats(path)?;
-    if !path.exists() && burnish_presets::find(text).is_some() {
-        return Err(CliError::unusable(format!("{text}: there is no such file; did you mean `preset:{text}`?")));
-    }
-    if burnish_assets::is_image_path(path) {
-        return of_picture(path, messages);
-    }
-    let (file, warnings) = files::read_material(path).map_err(CliError::unusable)?;
-    report(text, &warnings, messages)?;
-    let material = file.material().clone();
     let (textures, missing) = files::load_textures(&material, path.parent());
     for sentence in missing {
         messages.warn_about(path, &sentence);
@@ -88,6 +77,25 @@ fn of_picture(path: &Path, messages: &mut Messages) -> Result<LoadedMaterial, Cl
     opened.warnings.iter().for_each(|warning| messages.warn_about(path, warning));
     let material = Arc::new(opened.file.material().clone());
     Ok(LoadedMaterial { material, textures: opened.textures, file: Some(Arc::new(opened.file)), texture_files })
+}
+
+/// The same as the file with its text, without its images.
+pub fn load_file(text: &str, messages: &mut Messages) -> Result<MaterialFile, CliError> {
+    if let Some(name) = preset_name(text) {
+        let preset = find_preset(name)?;
+        let place = format!("preset:{}", preset.name);
+        let (file, warnings) = preset.parse().map_err(|error| CliError::unusable(format!("{place}: {error}")))?;
+        report(&place, &warnings, messages)?;
+        return Ok(file);
+    }
+    let path = Path::new(text);
+    refuse_later_formats(path)?;
+    if !path.exists() && burnish_presets::find(text).is_some() {
+        return Err(CliError::unusable(format!("{text}: there is no such file; did you mean `preset:{text}`?")));
+    }
+    let (file, warnings) = files::read_material(path).map_err(CliError::unusable)?;
+    report(text, &warnings, messages)?;
+    Ok(file)
 }
 
 /// A finding with its property; a value outside a range that renderers enforce is told as `--set` tells it.

@@ -7,11 +7,14 @@ pub mod check;
 pub mod compare;
 pub mod converge;
 mod develop;
+pub mod diff;
 pub mod features;
 mod final_picture;
 mod interrupt;
 pub mod library;
+mod library_check;
 mod material_argument;
+pub mod merge;
 pub mod parity;
 mod picture_options;
 pub mod presets;
@@ -38,7 +41,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["diff", "convert", "shader"];
+const LATER_COMMANDS: &[&str] = &["convert", "shader"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -70,11 +73,15 @@ enum Command {
     Parity(Box<parity::ParityArguments>),
     /// Lists, shows and searches the built-in materials
     Presets(presets::PresetsArguments),
-    /// Checks material files, or all in a folder: whether they can be read, and ranges
+    /// Checks material files, or all in a folder: whether they can be read, and what is hardly meant
     Check(check::CheckArguments),
+    /// Lists what two materials differ in, value by value
+    Diff(Box<diff::DiffArguments>),
+    /// Puts two versions of a material together that were made from a third
+    Merge(merge::MergeArguments),
     /// Reports which lobes a material needs, and what leaving out the others saves
     Features(Box<features::FeaturesArguments>),
-    /// A folder of materials as a library: what is in it, and small pictures of it
+    /// A folder of materials as a library: what is in it, small pictures of it, and whether it can be handed out
     Library(library::LibraryArguments),
     /// Renders an image sequence around the object
     Turntable(Box<turntable::TurntableArguments>),
@@ -156,7 +163,7 @@ pub fn main() -> ExitCode {
         && !Path::new(word).exists()
     {
         return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, features, library, stability, turntable or files to open"
+            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, diff, merge, features, library, stability, turntable or files to open"
         ))));
     }
     let arguments = match Arguments::try_parse_from(words) {
@@ -179,6 +186,8 @@ pub fn main() -> ExitCode {
                 Command::Parity(arguments) => parity::run(&arguments),
                 Command::Presets(arguments) => presets::run(&arguments),
                 Command::Check(arguments) => check::run(&arguments),
+                Command::Diff(arguments) => diff::run(&arguments),
+                Command::Merge(arguments) => merge::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),
                 Command::Library(arguments) => library::run(&arguments),
                 Command::Turntable(arguments) => turntable::run(&arguments),

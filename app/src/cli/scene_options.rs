@@ -321,7 +321,7 @@ fn field_of_view(text: &str) -> Result<f64, String> {
     parse_number(text).filter(|x| (0.1..=179.0).contains(x)).ok_or_else(|| "expected an angle of 0.1 to 179 degrees".to_owned())
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+pub(super) fn threads(text: &str) -> Result<usize, String> {
     let threads = text.parse().ok().filter(|n| (1..=MAX_THREADS).contains(n));
     threads.ok_or_else(|| format!("expected a whole number, 1 to {MAX_THREADS}"))
 }

@@ -198,7 +198,7 @@ fn number(value: Value) -> Option<f32> {
 
 /// Hash of everything about a material that can be seen, but for the pixels of its images. Those count by their place in `textures`, so that
 /// moving them changes nothing.
-fn values_hash(material: &Material, textures: &[String]) -> Digest {
+pub(super) fn values_hash(material: &Material, textures: &[String]) -> Digest {
     let mut all = Digesting::default();
     all.numbers(&[material.unit_mm()]);
     for (def, (property, slot)) in PROPERTIES.iter().zip(material.slots()) {

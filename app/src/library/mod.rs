@@ -3,6 +3,7 @@
 //! Nothing here blocks a window: the folder is scanned and pictures are loaded and made on threads; [`Library::poll`] collects what is there.
 //! What is known is kept in the cache folder, so that opening a library again reads only what has changed ([`index`]).
 
+pub mod check;
 pub mod digest;
 pub mod edit;
 pub mod entry;

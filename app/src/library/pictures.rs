@@ -371,7 +371,7 @@ impl Maker {
 }
 
 /// A picture from disk; `None` if it cannot be used.
-fn load(path: &Path) -> Option<Thumbnail> {
+pub(super) fn load(path: &Path) -> Option<Thumbnail> {
     if std::fs::metadata(path).ok()?.len() > MAX_FILE_BYTES {
         return None;
     }

@@ -11,6 +11,7 @@ use tempfile::TempDir;
 mod library;
 mod measure;
 mod pictures;
+mod release;
 mod render;
 mod thumbnails;
 mod turntable;

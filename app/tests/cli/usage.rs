@@ -102,6 +102,14 @@ fn unusable_arguments_exit_with_2_and_one_line() {
         (&["check"], &["PATH"]),
         (&["check", "nowhere"], &["nowhere"]),
         (&["check", "meshes"], &["meshes", "found none"]),
+        (&["library", "check", "nowhere"], &["nowhere"]),
+        (&["library", "check", "meshes"], &["meshes", "found none"]),
+        (&["diff", "red.asm.ron"], &["<B>"]),
+        (&["diff", "red.asm.ron", "none.asm.ron"], &["none.asm.ron"]),
+        (&["diff", "red.asm.ron", "red.asm.ron", "--image", "a.exr"], &["--image", "a.exr", ".png"]),
+        (&["merge", "red.asm.ron", "red.asm.ron", "red.asm.ron"], &["--out"]),
+        (&["merge", "red.asm.ron", "red.asm.ron", "red.asm.ron", "--out", "a.png"], &["--out", "a.png", ".asm.ron"]),
+        (&["merge", "red.asm.ron", "red.asm.ron", "red.asm.ron", "--out=a.asm.ron", "--prefer=c"], &["--prefer", "a or b"]),
         (&["nowhere.asm.ron"], &["nowhere.asm.ron"]),
         (&["--frobnicate"], &["--frobnicate"]),
     ];
@@ -129,6 +137,9 @@ fn help_and_version_exit_with_0() {
         &["compare", "--help"],
         &["presets", "--help"],
         &["check", "--help"],
+        &["library", "check", "--help"],
+        &["diff", "--help"],
+        &["merge", "--help"],
     ] {
         let run = place.run(words);
         assert_eq!((run.code, run.err.as_str()), (Some(0), ""), "{words:?}");

@@ -25,13 +25,13 @@ pub(super) fn read(text: String) -> Result<(MaterialFile, Vec<Warning>), FileErr
     }
     let mut reader = Reader::new(&text);
     let properties = reader.top(&top)?;
-    let Reader { material, unreadable, unknown, warnings, more_warnings, .. } = reader;
+    let Reader { material, unreadable, unknown, unknown_spans, warnings, more_warnings, .. } = reader;
     let mut warnings = warnings;
     if let (true, Some(last)) = (more_warnings > 0, warnings.last()) {
         let message = format!("{more_warnings} more warnings are not listed");
         warnings.push(Warning { key: "file".into(), message, is_refused: false, ..last.clone() });
     }
-    Ok((MaterialFile { text, material, top, properties, unreadable, unknown }, warnings))
+    Ok((MaterialFile { text, material, top, properties, unreadable, unknown, unknown_spans }, warnings))
 }
 
 fn not_a_file(body: &str, error: ron::error::SpannedError) -> FileError {
@@ -53,6 +53,7 @@ struct Reader<'a> {
     material: Material,
     unreadable: Vec<Unreadable>,
     unknown: Vec<String>,
+    unknown_spans: Vec<Range<usize>>,
     warnings: Vec<Warning>,
     more_warnings: usize,
 }
@@ -65,6 +66,7 @@ impl<'a> Reader<'a> {
             material: Material::default(),
             unreadable: Vec::new(),
             unknown: Vec::new(),
+            unknown_spans: Vec::new(),
             warnings: Vec::new(),
             more_warnings: 0,
         }
@@ -278,6 +280,7 @@ impl<'a> Reader<'a> {
         let key = path(above, &excerpt(&node.key));
         self.warn(node.start, &key, format!("{what}; kept in the file"));
         self.unknown.push(key);
+        self.unknown_spans.push(node.value.clone());
     }
 
     fn refuse_kind(&mut self, node: &Node, key: &str, expected: &str) {
@@ -393,4 +396,13 @@ pub(super) fn source_of(text: &str, top: &Block, property: Property) -> Option<V
         spread_min: spread("spread_min"),
         spread_max: spread("spread_max"),
     })
+}
+
+/// Key and text of all that stands under `sources`.
+pub(super) fn sources<'a>(text: &'a str, top: &Block) -> Vec<(String, &'a str)> {
+    let Some(node) = top.get("sources") else { return Vec::new() };
+    match tree::block_of(text, &node.value, b"{") {
+        Some(block) => block.nodes.iter().map(|node| (format!("sources.{}", node.key), &text[node.value.clone()])).collect(),
+        None => vec![("sources".to_owned(), &text[node.value.clone()])],
+    }
 }

@@ -25,8 +25,9 @@ pub(super) fn changed(a: &Material, b: &Material) -> usize {
     slots + provenance + others.into_iter().filter(|differs| *differs).count()
 }
 
-type TextOf = fn(&Provenance) -> &String;
-const TEXTS: [(&str, TextOf); 4] =
+pub(crate) type TextOf = fn(&Provenance) -> &String;
+/// Texts of the provenance with their keys.
+pub(crate) const TEXTS: [(&str, TextOf); 4] =
     [("source", |p| &p.source), ("reference", |p| &p.reference), ("method", |p| &p.method), ("licence", |p| &p.licence)];
 
 /// What becomes of one entry of a map.
@@ -261,12 +262,12 @@ fn same_unit(a: &Material, b: &Material) -> bool {
     a.unit_mm.map(f64::to_bits) == b.unit_mm.map(f64::to_bits)
 }
 
-fn same_slot(a: &Slot, b: &Slot) -> bool {
+pub(crate) fn same_slot(a: &Slot, b: &Slot) -> bool {
     same_value(a.value, b.value) && same_texture(a.texture.as_ref(), b.texture.as_ref())
 }
 
 /// Equal to the last bit, so that 0 and −0 differ and NaN equals itself.
-fn same_value(a: Option<Value>, b: Option<Value>) -> bool {
+pub(crate) fn same_value(a: Option<Value>, b: Option<Value>) -> bool {
     match (a, b) {
         (None, None) => true,
         (Some(Value::Bool(a)), Some(Value::Bool(b))) => a == b,
@@ -275,7 +276,7 @@ fn same_value(a: Option<Value>, b: Option<Value>) -> bool {
     }
 }
 
-fn same_texture(a: Option<&TextureRef>, b: Option<&TextureRef>) -> bool {
+pub(crate) fn same_texture(a: Option<&TextureRef>, b: Option<&TextureRef>) -> bool {
     match (a, b) {
         (None, None) => true,
         (Some(a), Some(b)) => texture_fields(a) == texture_fields(b),
@@ -301,7 +302,7 @@ fn list(words: &[String]) -> String {
 }
 
 /// A RON string on one line; letters of all scripts stay as they are.
-pub(super) fn string(text: &str) -> String {
+pub(crate) fn string(text: &str) -> String {
     let mut ron = String::with_capacity(text.len() + 2);
     ron.push('"');
     for c in text.chars() {
@@ -317,7 +318,7 @@ pub(super) fn string(text: &str) -> String {
     ron + "\""
 }
 
-fn value(value: Value) -> String {
+pub(crate) fn value(value: Value) -> String {
     match value {
         Value::Float(x) => number(x),
         Value::Bool(x) => x.to_string(),
@@ -340,7 +341,7 @@ fn texture_fields(t: &TextureRef) -> [(&'static str, String); 8] {
 }
 
 /// A texture reference with its path and whatever is not at its default.
-fn texture(texture: &TextureRef) -> String {
+pub(crate) fn texture(texture: &TextureRef) -> String {
     let plain = texture_fields(&TextureRef::new(""));
     let fields =
         texture_fields(texture).into_iter().zip(plain).filter(|((key, text), (_, plain))| *key == "path" || text != plain);
@@ -348,7 +349,7 @@ fn texture(texture: &TextureRef) -> String {
     format!("{{ {} }}", fields.join(", "))
 }
 
-fn slot(slot: &Slot) -> String {
+pub(crate) fn slot(slot: &Slot) -> String {
     match (slot.value, &slot.texture) {
         (Some(plain), None) => value(plain),
         (Some(plain), Some(image)) => format!("{{ \"value\": {}, \"texture\": {} }}", value(plain), texture(image)),

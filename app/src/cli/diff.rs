@@ -1,0 +1,164 @@
+//! `burnish diff`: what two materials differ in, value by value, and how they look beside each other.
+
+use super::material_argument::load_file;
+use super::scene_options::{SceneOptions, positive};
+use super::target::{has_ending, refuse_target};
+use super::{CliError, Messages, Outcome, interrupt, print_out};
+use crate::files::save_atomic;
+use crate::heatmap::heatmap;
+use burnish_material::diff::{Change, file_changes};
+use burnish_renderer::metrics::flip;
+use burnish_renderer::path::{Prepared, Settings, StopRules, render_prepared};
+use burnish_renderer::tonemap::Display;
+use clap::Args;
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Error at which each of the two pictures is done: 2 %.
+const RELMSE: f64 = 0.0004;
+
+/// Arguments of `burnish diff`.
+#[derive(Debug, Args)]
+pub struct DiffArguments {
+    /// Material file (.asm.ron) or preset:NAME
+    #[arg(value_name = "A")]
+    a: String,
+    /// Material to compare it with
+    #[arg(value_name = "B")]
+    b: String,
+    /// Draws both and their difference (FLIP, 0 dark blue to 1 yellow) beside each other
+    #[arg(long, value_name = "FILE.png")]
+    image: Option<PathBuf>,
+    /// Seconds after which each of the two pictures is done, if its error is not below 2 % before
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, allow_hyphen_values = true, value_parser = positive)]
+    time: f64,
+    /// Prints one JSON object
+    #[arg(long)]
+    json: bool,
+    /// What the materials are shown on.
+    #[command(flatten)]
+    scene: SceneOptions,
+}
+
+/// Compares, draws and prints. Exit code 1 where they differ.
+pub fn run(arguments: &DiffArguments) -> Result<Outcome, CliError> {
+    if let Some(path) = &arguments.image {
+        if !has_ending(path, "png") {
+            let sentence = format!("--image: {}: expected a file name that ends in .png", path.display());
+            return Err(CliError::unusable(sentence));
+        }
+        refuse_target("--image", path)?;
+    }
+    let mut messages = Messages::default();
+    let a = load_file(&arguments.a, &mut messages)?;
+    let b = load_file(&arguments.b, &mut messages)?;
+    let changes = file_changes(&a, &b);
+    let flip_mean = match &arguments.image {
+        Some(path) => Some(draw(arguments, path, &mut messages)?),
+        None => None,
+    };
+    if arguments.json {
+        let rows: Vec<Value> = changes.iter().map(json_row).collect();
+        let object = json!({
+            "a": arguments.a,
+            "b": arguments.b,
+            "changed": rows,
+            "image": arguments.image,
+            "flip_mean": flip_mean,
+            "warnings": messages.warnings(),
+        });
+        print_out(&object.to_string())?;
+    } else {
+        let rows: String = changes.iter().map(text_row).collect();
+        let flip = flip_mean.map_or_else(String::new, |flip| format!("; FLIP of the pictures {flip:.4}"));
+        let count = match changes.len() {
+            0 => "no difference".to_owned(),
+            1 => "1 difference".to_owned(),
+            count => format!("{count} differences"),
+        };
+        print_out(&format!("{rows}{count}{flip}"))?;
+    }
+    Ok(if changes.is_empty() { Outcome::Done } else { Outcome::Findings })
+}
+
+fn text_row(change: &Change) -> String {
+    let show = |side: &Option<String>| match (side, default_of(change)) {
+        (Some(text), _) => text.clone(),
+        (None, Some(default)) => format!("{default} (default)"),
+        (None, None) => "nothing".to_owned(),
+    };
+    format!("{}: {} -> {}\n", change.key, show(&change.a), show(&change.b))
+}
+
+fn json_row(change: &Change) -> Value {
+    let value = |side: &Option<String>| match side {
+        Some(text) => typed(text),
+        None => default_of(change).unwrap_or(Value::Null),
+    };
+    json!({
+        "property": change.key,
+        "a": value(&change.a),
+        "b": value(&change.b),
+        "a_is_set": change.a.is_some(),
+        "b_is_set": change.b.is_some(),
+        "is_visible": change.is_visible,
+    })
+}
+
+/// What a text of a material file means to other programs: numbers, lists and texts; anything else stays a text.
+fn typed(text: &str) -> Value {
+    ron::from_str(text).unwrap_or_else(|_| text.into())
+}
+
+/// The default of the value that was changed, if it is one of a property.
+fn default_of(change: &Change) -> Option<Value> {
+    let def = change.property?.def();
+    (change.key == def.name).then_some(match def.default {
+        burnish_material::Value::Float(x) => json!(x),
+        burnish_material::Value::Bool(x) => json!(x),
+        burnish_material::Value::Color(x) | burnish_material::Value::Normal(x) => json!(x),
+    })
+}
+
+/// Renders both and writes them with their difference. Returns the mean of FLIP.
+fn draw(arguments: &DiffArguments, path: &Path, messages: &mut Messages) -> Result<f64, CliError> {
+    let options = &arguments.scene;
+    let display = Display { exposure_ev: options.exposure_ev(), ..Display::default() };
+    let mut last: Option<Prepared> = None;
+    let mut picture = |text: &str| {
+        let loaded = options.load(Some(text), None, messages)?;
+        let (width, height) = (loaded.width, loaded.height);
+        let stop = StopRules { spp: None, seconds: Some(arguments.time), relmse: Some(RELMSE) };
+        let settings = Settings { width, height, seed: options.seed, threads: options.threads(), stop, is_adaptive: true };
+        let start = Instant::now();
+        let prepared = &*last.insert(Prepared::new(&loaded.scene, last.as_ref()));
+        let rendering = render_prepared(prepared, &settings, start, &mut |_| !interrupt::is_interrupted());
+        interrupt::check()?;
+        let shown: Vec<[f32; 3]> = rendering.film.mean().iter().map(|rgb| display.apply(*rgb)).collect();
+        Ok::<_, CliError>((shown, width))
+    };
+    let ((a, width), (b, _)) = (picture(&arguments.a)?, picture(&arguments.b)?);
+    let errors = flip(&a, &b, width);
+    let map = heatmap(&errors, width);
+    let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    let row_of = |picture: &[[f32; 3]], y: usize| -> Vec<u8> {
+        let pixels = picture.get(y * width..(y + 1) * width);
+        // The map has a bar below, the others have nothing.
+        pixels.map_or_else(|| vec![0; 3 * width], |pixels| pixels.as_flattened().iter().map(|x| byte(*x)).collect())
+    };
+    let mut bytes = Vec::with_capacity(9 * width * map.height);
+    for y in 0..map.height {
+        bytes.extend(row_of(&a, y));
+        bytes.extend(row_of(&b, y));
+        bytes.extend(&map.bytes[3 * width * y..3 * width * (y + 1)]);
+    }
+    let mut png = Vec::new();
+    // Sides of pictures are far below the limit of PNG.
+    PngEncoder::new(&mut png)
+        .write_image(&bytes, 3 * width as u32, map.height as u32, ExtendedColorType::Rgb8)
+        .map_err(|error| CliError::unusable(format!("--image: {}: cannot be written: {error}", path.display())))?;
+    save_atomic(path, &png).map_err(CliError::unusable)?;
+    Ok(errors.iter().map(|error| f64::from(*error)).sum::<f64>() / errors.len().max(1) as f64)
+}

@@ -1,0 +1,89 @@
+//! What two materials differ in, entry by entry, in the words of their files.
+
+use std::collections::BTreeMap;
+
+use crate::file::{MaterialFile, TEXTS, same_texture, same_value, string, texture, value_text};
+use crate::material::Material;
+use crate::properties::{PROPERTIES, Property};
+use crate::value::Value;
+
+/// One entry that differs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// The entry: `name`, `unit_mm`, `provenance.licence`, a property by its formal name, `roughness.texture`, or another key of the file.
+    pub key: String,
+    /// The property, if it is about one.
+    pub property: Option<Property>,
+    /// The first material's text as a file writes it; `None` where it says nothing or the value is the default one.
+    pub a: Option<String>,
+    /// The second material's.
+    pub b: Option<String>,
+    /// Whether a picture can tell: names, notes and sources cannot be seen.
+    pub is_visible: bool,
+}
+
+/// Everything in which two materials differ: name, tags, notes, unit, provenance, then values and textures in specification order.
+///
+/// A default that is written out is no difference to one that is not. Numbers are compared to the last bit.
+pub fn changes(a: &Material, b: &Material) -> Vec<Change> {
+    let mut found = Vec::new();
+    let mut add = |key: String, property, a: Option<String>, b: Option<String>, is_visible| {
+        found.push(Change { key, property, a, b, is_visible });
+    };
+    let texts = [("name", &a.name, &b.name), ("notes", &a.notes, &b.notes)];
+    for (key, a, b) in texts.into_iter().filter(|(_, a, b)| a != b) {
+        add(key.to_owned(), None, text(a), text(b), false);
+    }
+    if a.tags != b.tags {
+        add("tags".to_owned(), None, tags(&a.tags), tags(&b.tags), false);
+    }
+    if a.unit_mm().to_bits() != b.unit_mm().to_bits() {
+        let unit = |m: &Material| m.unit_mm.map(|unit| value_text(Value::Float(unit)));
+        add("unit_mm".to_owned(), None, unit(a), unit(b), true);
+    }
+    for (key, get) in TEXTS {
+        let (a, b) = (get(&a.provenance), get(&b.provenance));
+        if a != b {
+            add(format!("provenance.{key}"), None, text(a), text(b), false);
+        }
+    }
+    for def in PROPERTIES {
+        let (value_a, value_b) = (a.value(def.id), b.value(def.id));
+        if !same_value(Some(value_a), Some(value_b)) {
+            let written = |value| (!same_value(Some(value), Some(def.default))).then(|| value_text(value));
+            add(def.name.to_owned(), Some(def.id), written(value_a), written(value_b), true);
+        }
+        let (image_a, image_b) = (a.slot(def.id).texture.as_ref(), b.slot(def.id).texture.as_ref());
+        if !same_texture(image_a, image_b) {
+            add(format!("{}.texture", def.name), Some(def.id), image_a.map(texture), image_b.map(texture), true);
+        }
+    }
+    found
+}
+
+/// The same of two files, with what this version does not know and with the sources of single values.
+pub fn file_changes(a: &MaterialFile, b: &MaterialFile) -> Vec<Change> {
+    let mut found = changes(a.material(), b.material());
+    let (a, b) = (entries(a), entries(b));
+    let keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
+    for key in keys.filter(|key| a.get(*key) != b.get(*key)) {
+        let of = |side: &BTreeMap<String, &str>| side.get(key).map(|text| (*text).to_owned());
+        found.push(Change { key: key.clone(), property: None, a: of(&a), b: of(&b), is_visible: false });
+    }
+    found
+}
+
+/// [`MaterialFile::other_entries`] by key.
+pub(crate) fn entries(file: &MaterialFile) -> BTreeMap<String, &str> {
+    file.other_entries().into_iter().collect()
+}
+
+/// A text as a file writes it; `None` if it is empty.
+pub(crate) fn text(words: &str) -> Option<String> {
+    (!words.is_empty()).then(|| string(words))
+}
+
+fn tags(tags: &[String]) -> Option<String> {
+    let words = tags.iter().map(|tag| string(tag)).collect::<Vec<_>>().join(", ");
+    (!tags.is_empty()).then(|| format!("[{words}]"))
+}
