@@ -230,18 +230,11 @@ fn metals_reflect_as_measured() {
 
 #[test]
 fn nothing_is_odd_about_a_preset() {
-    // Rightly warned about, and its notes say why: one coloured metal stands for flakes in a tinted lacquer.
-    let expected = BTreeSet::from(["car-paint-metallic-blue"]);
-    let mut warned = BTreeSet::new();
     for_each(|preset, file| {
         for finding in check(file.material()) {
-            assert_ne!(finding.severity, Severity::Error, "{}: {finding}", preset.file_stem);
-            if finding.severity == Severity::Warning {
-                warned.insert(preset.file_stem);
-            }
+            assert!(finding.severity < Severity::Warning, "{}: {finding}", preset.file_stem);
         }
     });
-    assert_eq!(warned, expected);
 }
 
 #[test]

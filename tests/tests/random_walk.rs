@@ -140,8 +140,9 @@ fn walk(seed: u64) {
         beginnings.insert(std::fs::read_to_string(&path).expect("it is there"));
         // And what is new has the unit that the preferences say, which are commands as well.
         let unit_mm = app(&window).preferences().unit_mm;
-        let unit_mm = (unit_mm != DEFAULT_UNIT_MM).then_some(unit_mm);
-        beginnings.insert(MaterialFile::new(&Material { unit_mm, ..Material::named("New material") }).text().to_owned());
+        let mut new = Material::named("New material");
+        new.unit_mm = (unit_mm != DEFAULT_UNIT_MM).then_some(unit_mm);
+        beginnings.insert(MaterialFile::new(&new).text().to_owned());
     }
     settle(&mut window);
     // Nothing is being typed or held any more, and no question waits.
