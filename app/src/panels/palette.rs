@@ -6,6 +6,8 @@ use crate::pages::Pages;
 use crate::theme;
 use burnish_material::{PROPERTIES, Property};
 use burnish_presets::Preset;
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{Align2, Button, Context, Id, Key, Modal, Modifiers, RichText, ScrollArea, TextEdit};
 use std::path::{Path, PathBuf};
 
@@ -115,6 +117,12 @@ pub fn show(ctx: &Context, name: &str, hint: &str, pages: &mut Pages, found: &[F
                 (chosen, pages.is_confirmed) = (None, true);
                 ui.request_repaint();
             }
+        }
+        if !edit.has_focus() {
+            // Letters that came with the shortcut stand there already; what is typed goes on behind them.
+            let mut state = TextEditState::load(ui.ctx(), edit.id).unwrap_or_default();
+            state.cursor.set_char_range(Some(CCursorRange::one(CCursor::new(pages.search.chars().count()))));
+            state.store(ui.ctx(), edit.id);
         }
         edit.request_focus();
         ui.add_space(4.0);
