@@ -15,6 +15,9 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+/// A row: kind, severity, key, and a part of the message.
+type Expected = (Kind, Severity, &'static str, &'static str);
+
 /// A file without a fault but for what the properties bring.
 fn text(name: &str, properties: &str) -> String {
     format!(
@@ -44,7 +47,7 @@ fn each_fault_gives_its_row_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     fs::write(root.join("broken.png"), b"\x89PNG\r\n\x1a\n and no more").unwrap();
-    let cases: Vec<(&str, String, &[(Kind, Severity, &str, &str)])> = vec![
+    let cases: Vec<(&str, String, &[Expected])> = vec![
         ("good", text("Good", r#""roughness": 0.21"#), &[]),
         ("idle", text("Idle", r#""coat_roughness": 0.5"#), &[(K::Effect, Note, "coat_roughness", "no effect")]),
         (
@@ -116,7 +119,7 @@ fn each_fault_gives_its_row_and_nothing_else() {
     // Neither is read: the first has 2 GB of nothing.
     File::create(root.join("sparse.asm.ron")).unwrap().set_len(2 << 30).unwrap();
     fs::write(root.join("binary.asm.ron"), [0xff, 0xfe, 0]).unwrap();
-    let others: &[(&str, &[(Kind, Severity, &str, &str)])] = &[
+    let others: &[(&str, &[Expected])] = &[
         ("sparse", &[(K::Parse, Error, "", "expected a file of at most")]),
         ("binary", &[(K::Parse, Error, "", "expected text in UTF-8")]),
     ];
