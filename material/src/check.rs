@@ -182,7 +182,8 @@ fn combinations(m: &Material) -> Vec<Finding> {
             let is_bare = number(P::coat) == Some(0.0);
             add(if is_bare { Severity::Warning } else { Severity::Note }, FindingKind::Unlikely, P::base_color, message);
         }
-        let is_diffuse = metallic == Some(0.0) && number(P::translucency).is_none_or(|x| x < 1.0);
+        // Of what shines by itself, what it reflects is of no account.
+        let is_diffuse = metallic == Some(0.0) && m.float(P::emission) <= 0.0 && number(P::translucency).is_none_or(|x| x < 1.0);
         let highest = base.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if is_diffuse && lowest > *PLAUSIBLE_ALBEDO.end() && lowest <= 1.0 {
             add(

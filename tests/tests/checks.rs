@@ -1,7 +1,7 @@
 //! Checks before materials are handed out: does each fault give its row and nothing else, and do versions of a material come together?
 
 use burnish::library::check::against::{LookChange, compare};
-use burnish::library::check::{Checked, Kind, Options, Shelved, check_files, check_library};
+use burnish::library::check::{Checked, Kind, Options, Row, Shelved, check_files, check_library};
 use burnish::library::digest::Digest;
 use burnish::library::index::Index;
 use burnish::library::scan::Scan;
@@ -184,6 +184,12 @@ fn what_looks_the_same_is_found() {
     let checked = check_of(root, &Options { threads: 2, renders_looks: true, probes_stability: false });
     let pairs: Vec<_> = checked.pairs.iter().map(|pair| (pair.b.clone(), pair.kind)).collect();
     assert_eq!(pairs, [(root.join("b.asm.ron"), Kind::Look)], "{:?}", checked.pairs);
+    // The verdict of each is told on request.
+    let probed = check_of(root, &Options { threads: 2, renders_looks: false, probes_stability: true });
+    let verdicts: Vec<_> = probed.rows.iter().filter(|row| row.kind == Kind::Stability).collect();
+    assert_eq!(verdicts.len(), 4);
+    let holds = |row: &&Row| row.severity == Severity::Note && row.message.starts_with("holds; the worst: ");
+    assert!(verdicts.iter().all(holds) && probed.errors == 0, "{verdicts:#?}");
     let row = checked.rows.iter().find(|row| row.kind == Kind::Look).expect("it has a row");
     assert!(row.path == root.join("b.asm.ron") && row.message.contains("a.asm.ron (a): 0.0"), "{}", row.message);
 }

@@ -3,7 +3,7 @@
 use super::material_argument::load_file;
 use super::scene_options::{SceneOptions, positive};
 use super::target::{has_ending, refuse_target};
-use super::{CliError, Messages, Outcome, interrupt, print_out};
+use super::{CliError, Messages, Outcome, interrupt, one_line, print_out};
 use crate::files::save_atomic;
 use crate::heatmap::heatmap;
 use burnish_material::diff::{Change, file_changes};
@@ -85,7 +85,8 @@ pub fn run(arguments: &DiffArguments) -> Result<Outcome, CliError> {
 
 fn text_row(change: &Change) -> String {
     let show = |side: &Option<String>| match (side, default_of(change)) {
-        (Some(text), _) => text.clone(),
+        // Sources of values have several lines.
+        (Some(text), _) => one_line(text),
         (None, Some(default)) => format!("{default} (default)"),
         (None, None) => "nothing".to_owned(),
     };

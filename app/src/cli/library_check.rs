@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &LibraryCheckArguments) -> Result<Outcome, CliError
     } else {
         print_out(&text(&checked, against.as_ref()))?;
     }
-    eprintln!("{} files in {seconds:.2} s: {rate:.0} files per second on {threads} threads", checked.files);
+    eprintln!("checked in {seconds:.2} s: {rate:.0} files per second, threads: {threads}");
     Ok(outcome(&checked, arguments.strict))
 }
 

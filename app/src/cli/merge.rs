@@ -4,7 +4,7 @@
 
 use super::material_argument::load_file;
 use super::target::refuse_target;
-use super::{CliError, Messages, Outcome, interrupt, print_out};
+use super::{CliError, Messages, Outcome, interrupt, one_line, print_out};
 use crate::files::{self, save_atomic};
 use burnish_material::diff::Change;
 use burnish_material::merge::{Conflict, MergedFile, Side, merge_files};
@@ -85,7 +85,7 @@ fn json_conflict(conflict: &Conflict) -> Value {
 }
 
 fn text_conflict(conflict: &Conflict, kept: &str) -> String {
-    let show = |text: &Option<String>| text.clone().unwrap_or_else(|| "nothing".to_owned());
+    let show = |text: &Option<String>| text.as_deref().map_or_else(|| "nothing".to_owned(), one_line);
     let (base, a, b) = (show(&conflict.base), show(&conflict.a), show(&conflict.b));
     format!("conflict: {}: {base} became {a} in A and {b} in B; that of {kept} is kept\n", conflict.key)
 }

@@ -50,7 +50,7 @@ pub fn scale(file: &MaterialFile) -> Vec<(&'static str, String)> {
     let mut found = Vec::new();
     if let Some(unit) = material.unit_mm.filter(|unit| unit.is_finite() && *unit > 0.0 && !UNITS_MM.contains(unit)) {
         let (least, most) = UNITS_MM.into_inner();
-        found.push(("unit_mm", format!("a unit of {unit} mm is hardly meant; expected {least} to {most}")));
+        found.push(("unit_mm", format!("a unit of {unit:?} mm is hardly meant; expected {least:?} to {most:?}")));
     }
     let used: Vec<Property> = used_lengths(material).collect();
     for property in &used {
@@ -68,8 +68,12 @@ pub fn scale(file: &MaterialFile) -> Vec<(&'static str, String)> {
         // Whether the number is a usual one where it is taken for millimetres.
         let is_mm = material.unit_mm.is_none() && (least * unit..=most * unit).contains(&value);
         let advice = if is_mm { "; if it is in mm, the file lacks unit_mm: 1.0" } else { "" };
-        let sentence =
-            format!("{value} is {} mm, {times:.0} times {side} measured ({} mm){advice}", short(value * unit), short(end * unit));
+        let sentence = format!(
+            "{value:?} is {} mm, {} times {side} measured ({} mm){advice}",
+            short(value * unit),
+            short(times),
+            short(end * unit)
+        );
         found.push((property.def().name, sentence));
     }
     if material.unit_mm.is_none()
@@ -127,7 +131,10 @@ fn speaks_of_mm(file: &MaterialFile, lengths: &[Property]) -> bool {
 
 /// Three digits.
 fn short(x: f64) -> String {
-    let digits = (2.0 - x.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    if !(1e-4..1e7).contains(&x) {
+        return format!("{x:.2e}");
+    }
+    let digits = (2.0 - x.log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{x:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
@@ -161,7 +168,7 @@ mod tests {
         }
         let (file, _) = MaterialFile::parse(&milk("", "5.0")).unwrap();
         let message = &scale(&file)[0].1;
-        assert!(message.contains("is 500 mm, 83 times longer") && message.ends_with("lacks unit_mm: 1.0"), "{message}");
+        assert!(message.contains("is 500 mm, 82.5 times longer") && message.ends_with("lacks unit_mm: 1.0"), "{message}");
         // Without a body nothing scatters.
         assert_eq!(scale_keys("{\"properties\": {\"scatter\": true, \"scatter_distance\": 5.0}}"), [""; 0]);
     }

@@ -136,10 +136,12 @@ impl Checker<'_> {
             self.options.probes_stability.then(|| stability::probe(&case, &mut kept.probe, self.is_cancelled)).flatten()
         }));
         match done {
-            Ok(Some(probe)) if !probe.holds() => {
-                report.add(path, None, Severity::Error, "", format!("does not hold: {}", probe.worst), Kind::Stability);
+            Ok(Some(probe)) => {
+                let (severity, verdict) =
+                    if probe.holds() { (Severity::Note, "holds; the worst") } else { (Severity::Error, "does not hold") };
+                report.add(path, None, severity, "", format!("{verdict}: {}", probe.worst), Kind::Stability);
             }
-            Ok(_) => {}
+            Ok(None) => {}
             Err(_) => {
                 *kept = Kept::default();
                 let message = "could not be rendered, because the renderer failed".to_owned();
