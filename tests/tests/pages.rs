@@ -63,9 +63,10 @@ fn letters_that_come_with_the_shortcut_are_for_the_list() {
     window.step();
     window.run_steps(2);
     assert!(app(&window).sides().stored().is_none() && app(&window).dock().is_drawn(Pane::Lobes), "they carried out commands");
-    send(&mut window, [Event::Text("l prop".to_owned())]);
+    send(&mut window, [Event::Text("bedo".to_owned())]);
     window.run_steps(2);
-    assert!(has(&window, Role::Button, "Reset all properties"));
+    let typed = window.get_by_role_and_label(Role::TextInput, "Find a command").value();
+    assert_eq!(typed.as_deref(), Some("albedo"));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 const VIEW: Part = [214, 190, 464, 420];
 const BALL: Part = [330, 230, 230, 230];
 /// The field with the angle of the light.
-const LIGHT_ANGLE: Part = [408, 58, 40, 20];
+const LIGHT_ANGLE: Part = [618, 34, 36, 18];
 /// The property panel, and the number of the row that the command palette brings to its middle, and the one below.
 const PROPERTIES: Part = [890, 80, 380, 680];
 const SOUGHT_IOR: (u32, u32) = (1180, 427);
