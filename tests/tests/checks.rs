@@ -55,7 +55,7 @@ fn each_fault_gives_its_row_and_nothing_else() {
             text("A", r#""roughness": {"texture": {"path": "broken.png"}}"#),
             &[(K::Texture, Error, "roughness", "broken.png")],
         ),
-        ("image-made", text("B", r#""roughness": {"texture": {"path": "builtin:checker"}}"#), &[]),
+        ("image-made", text("B", r#""roughness": {"texture": {"path": "builtin:wood-oak/roughness"}}"#), &[]),
         (
             "image-missing",
             text("C", r#""metallic": {"texture": {"path": "maps/none.png"}}"#),
