@@ -45,7 +45,7 @@ use burnish_material::{Material, Property};
 use documents::After;
 use egui::Ui;
 use keeping::Keeping;
-use library::Shelf;
+use library::LibraryWork;
 use rescue::Rescue;
 use screenshot::Screenshot;
 use std::sync::mpsc::{Receiver, Sender};
@@ -68,7 +68,7 @@ pub struct App {
     to_toggle: Vec<Pane>,
     pages: Pages,
     presets: PresetPanel,
-    shelf: Shelf,
+    library_work: LibraryWork,
     properties: PropertyPanel,
     reference: ReferencePanel,
     /// Small pictures of maps, meshes and lights.
@@ -146,7 +146,7 @@ impl App {
             to_toggle: Vec::new(),
             pages: Pages::default(),
             presets: PresetPanel::default(),
-            shelf: Shelf::default(),
+            library_work: LibraryWork::default(),
             properties: PropertyPanel::default(),
             reference: ReferencePanel::default(),
             small: SmallPictures::default(),

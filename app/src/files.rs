@@ -3,7 +3,6 @@
 //! What a material file means is in `burnish_material`; here it only gets its path, its folder and its images.
 
 use crate::cli::suggest;
-use crate::content_hash;
 use crate::picture_job::{self, PictureJob};
 use burnish_assets::{BuiltInTexture, Image, TextureError, TextureMaker};
 use burnish_material::{FileError, MAX_FILE_BYTES, Material, MaterialFile, Warning};
@@ -233,7 +232,7 @@ pub fn open_embedded(path: &Path, job: Option<&PictureJob>) -> Result<(OpenedMat
         let place = folder.as_deref().map_or_else(|| PathBuf::from(&texture.file), |folder| folder.join(&texture.file));
         match burnish_assets::load_image(&place) {
             Ok(image) => {
-                if content_hash::of_file(&place).ok().as_ref() != Some(&texture.hash) {
+                if picture_job::hash_of(&place).ok().as_ref() != Some(&texture.hash) {
                     warnings.push(format!("{}: has changed since {} was made", place.display(), path.display()));
                 }
                 textures.insert(texture.name.clone(), Arc::new(image));

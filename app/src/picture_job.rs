@@ -2,7 +2,7 @@
 //!
 //! Jobs hold no times and no number of threads, so that equal jobs give equal files.
 
-use crate::content_hash;
+use crate::digest::Digest;
 use crate::files::texture_name;
 use burnish_renderer::PICTURE_VERSION;
 use burnish_renderer::path::ErrorEstimate;
@@ -127,7 +127,7 @@ pub enum Source {
     File {
         /// The path.
         file: String,
-        /// What it held ([`content_hash`]).
+        /// What it held ([`Digest::of_file`]).
         hash: String,
     },
 }
@@ -200,6 +200,11 @@ impl Source {
     }
 }
 
+/// The hash of a file as a job names it.
+pub fn hash_of(path: &Path) -> std::io::Result<String> {
+    Ok(Digest::of_file(path, &|| true)?.map(|digest| digest.to_string()).unwrap_or_default())
+}
+
 impl Texture {
     /// An image as a picture in `folder` names it.
     pub fn of_file(name: &str, path: &Path, folder: Option<&Path>) -> Self {
@@ -210,7 +215,7 @@ impl Texture {
 
 fn named(path: &Path, folder: Option<&Path>) -> (String, String) {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    (texture_name(&path, folder), content_hash::of_file(&path).unwrap_or_default())
+    (texture_name(&path, folder), hash_of(&path).unwrap_or_default())
 }
 
 /// The folder that paths in a picture start at: that of the picture.

@@ -1,4 +1,4 @@
-//! Small pictures of textures, meshes, environments and materials, made one after the other on a thread of its own.
+//! Small pictures of textures, meshes and environments, made one after the other on a thread of its own.
 //!
 //! Nothing here blocks: what is asked for is there some [`Thumbnails::poll`] later. The same request gives the same bits. A request is made
 //! once ([`Thumbnails::is_started`]), and again when what it shows has changed.
@@ -10,7 +10,6 @@ pub use make::{environment_thumbnail, image_thumbnail, scene_thumbnail};
 use burnish_assets::{ENVIRONMENTS, Image, SHAPES};
 use burnish_material::Channel;
 use burnish_renderer::path::Prepared;
-use burnish_renderer::scene::Scene;
 use std::collections::{HashMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -42,8 +41,6 @@ pub enum Key {
     Shape(&'static str),
     /// A built-in environment by its name in [`ENVIRONMENTS`].
     Environment(&'static str),
-    /// A material by a name of the caller's choice: a path, a side of a comparison.
-    Material(String),
 }
 
 /// What a picture is made of.
@@ -51,7 +48,6 @@ enum Job {
     Texture { image: Arc<Image>, channel: Channel, side: usize },
     Shape(&'static str),
     Environment(&'static str),
-    Scene { scene: Box<Scene>, side: usize },
 }
 
 /// A picture that was asked for.
@@ -115,12 +111,6 @@ impl Thumbnails {
                 self.start(Key::Shape(def.name), Job::Shape(def.name));
             }
         }
-    }
-
-    /// Asks for a square picture of a scene, `side` pixels (at most [`MAX_SIDE`]) along each side, under a name for its material. An earlier
-    /// picture of that name stays until the new one is there.
-    pub fn start_material(&mut self, name: &str, scene: &Scene, side: usize) {
-        self.start(Key::Material(name.to_owned()), Job::Scene { scene: Box::new(scene.clone()), side });
     }
 
     /// Asks for a picture in place of one that is still to come.
@@ -233,10 +223,6 @@ fn work(inbox: &Receiver<Order>, results: &Sender<(u64, Option<Thumbnail>)>, on_
             Job::Texture { image, channel, side } => image_thumbnail(&image, channel, side, &is_stopped),
             Job::Environment(name) => burnish_assets::make_environment(name).as_ref().and_then(environment_thumbnail),
             Job::Shape(name) => make::shape_thumbnail(name, &mut studio, &mut last, &is_stopped),
-            Job::Scene { scene, side } => {
-                let side = side.clamp(1, MAX_SIDE);
-                scene_thumbnail(&scene, [side, side], &mut last, &is_stopped)
-            }
         }));
         if results.send((number, made.unwrap_or(None))).is_err() {
             return;
@@ -250,6 +236,7 @@ mod tests {
     use super::*;
     use crate::thumbnails::make::shape_scene;
     use burnish_material::{Material, Property, Value};
+    use burnish_renderer::scene::Scene;
     use std::time::{Duration, Instant};
 
     fn red() -> Arc<Image> {
@@ -307,30 +294,24 @@ mod tests {
 
     #[test]
     fn the_same_scene_gives_the_same_bits() {
-        let mut first = Thumbnails::new(|| {});
-        first.start_material("a", &ball(), 24);
-        // After another scene, whose tables it shares.
-        first.start_material("b", &ball(), 24);
-        wait(&mut first);
-        let picture = |name: &str| first.get(&Key::Material(name.to_owned())).expect("it was made");
-        assert!(picture("a") == picture("b"), "pictures differ");
-        assert_eq!((picture("a").width, picture("a").height), (24, 24));
-        let [r, g, ..] = picture("a").rgba[(12 * 24 + 12) * 4..] else { panic!("four bytes") };
+        let mut last = None;
+        // The second shares tables with the first.
+        let [a, b] = [(); 2].map(|()| scene_thumbnail(&ball(), [24, 24], &mut last, &|| false).expect("it is made"));
+        assert!(a == b, "pictures differ");
+        assert_eq!((a.width, a.height), (24, 24));
+        let [r, g, ..] = a.rgba[(12 * 24 + 12) * 4..] else { panic!("four bytes") };
         assert!(r > g.saturating_add(50), "{r} {g}");
     }
 
     #[test]
     fn what_is_cancelled_never_comes() {
         let mut thumbnails = Thumbnails::new(|| {});
-        let key = Key::Material("a".into());
-        for _ in 0..50 {
-            thumbnails.start_material("a", &ball(), MAX_SIDE);
-        }
+        let key = Key::Shape(SHAPES[SHAPES.len() - 1].name);
+        thumbnails.start_built_in();
         thumbnails.start_texture("red", &red(), Channel::Rgb, 4);
         assert!(thumbnails.is_started(&key));
         thumbnails.cancel();
         assert!(thumbnails.progress().is_none() && !thumbnails.is_started(&key));
-        // The thread is free again at once: 50 pictures would take minutes.
         let start = Instant::now();
         thumbnails.start_texture("red", &red(), Channel::R, 4);
         wait(&mut thumbnails);
@@ -344,13 +325,14 @@ mod tests {
     #[test]
     fn memory_is_bounded() {
         let mut thumbnails = Thumbnails::new(|| {});
-        let large =
-            |key: &str| (Key::Material(key.into()), Some(Thumbnail { width: 1, height: 1, rgba: vec![0; MAX_BYTES / 2] }));
+        let large = |key: &str| {
+            (Key::Texture(key.into(), Channel::Rgb), Some(Thumbnail { width: 1, height: 1, rgba: vec![0; MAX_BYTES / 2] }))
+        };
         for key in ["a", "b", "c"] {
             let (key, thumbnail) = large(key);
             thumbnails.keep(key, thumbnail);
         }
-        let has = |key: &str| thumbnails.get(&Key::Material(key.into())).is_some();
+        let has = |key: &str| thumbnails.get(&Key::Texture(key.into(), Channel::Rgb)).is_some();
         assert!(!has("a") && has("b") && has("c"));
     }
 }

@@ -1,8 +1,8 @@
 //! Checks before materials are handed out: does each fault give its row and nothing else, and do versions of a material come together?
 
+use burnish::digest::Digest;
 use burnish::library::check::against::{LookChange, compare};
 use burnish::library::check::{Checked, Kind, Options, Row, Shelved, check_files, check_library};
-use burnish::library::digest::Digest;
 use burnish::library::index::Index;
 use burnish::library::scan::Scan;
 use burnish::library::shelf::Shelf;

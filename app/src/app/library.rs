@@ -9,7 +9,7 @@ use crate::library::edit::{self, BatchEdit, Planned};
 use crate::loading::Job;
 use crate::own_files;
 use crate::pages::Page;
-use crate::panels::batch_edit;
+use crate::panels::batch_page::BatchPage;
 use crate::panels::library::{Around, LibraryAction, LibraryPanel};
 use crate::panels::measured_page::MeasuredPage;
 use burnish_material::MaterialFile;
@@ -36,7 +36,7 @@ type Running = (Step, Receiver<(BatchEdit, Vec<String>)>);
 
 /// The library and what belongs to it.
 #[derive(Default)]
-pub(super) struct Shelf {
+pub(super) struct LibraryWork {
     library: Option<Library>,
     panel: LibraryPanel,
     done: Vec<BatchEdit>,
@@ -44,13 +44,13 @@ pub(super) struct Shelf {
     running: Option<Running>,
     /// The document in front and its steps when files were edited last: if both are the same still, nothing was done since.
     last: Option<(u64, usize)>,
-    batch: batch_edit::BatchEdit,
+    batch: BatchPage,
     /// A file that is to be named anew, and the name.
     renamed: Option<(PathBuf, String)>,
     measured: MeasuredPage,
 }
 
-impl Shelf {
+impl LibraryWork {
     /// The open library.
     pub fn library(&self) -> Option<&Library> {
         self.library.as_ref()
@@ -65,16 +65,16 @@ impl Shelf {
 impl App {
     /// The open library, for tests.
     pub fn library(&self) -> Option<&Library> {
-        self.shelf.library()
+        self.library_work.library()
     }
 
     /// Opens a folder as library, and remembers it.
     pub fn open_library(&mut self, root: &Path, ctx: &Context) {
         let wake = ctx.clone();
         let root = std::path::absolute(root).unwrap_or_else(|_| root.to_path_buf());
-        self.shelf.library = Some(Library::open(&root, self.keeping.places(), move || wake.request_repaint()));
-        self.shelf.panel.reset();
-        (self.shelf.done, self.shelf.undone, self.shelf.last) = (Vec::new(), Vec::new(), None);
+        self.library_work.library = Some(Library::open(&root, self.keeping.places(), move || wake.request_repaint()));
+        self.library_work.panel.reset();
+        (self.library_work.done, self.library_work.undone, self.library_work.last) = (Vec::new(), Vec::new(), None);
         self.dock.set_shown(Pane::Folder, true);
         if let (Some(state), Some(text)) = (&self.keeping.places().state, root.to_str()) {
             // Not being remembered is no reason to disturb anybody.
@@ -92,25 +92,25 @@ impl App {
         problem.into_iter().for_each(|problem| self.messages.warning(problem));
         if let Some(root) = root.filter(|_| self.dock.is_shown(Pane::Folder)) {
             let wake = ctx.clone();
-            self.shelf.library = Some(Library::open(&root, self.keeping.places(), move || wake.request_repaint()));
+            self.library_work.library = Some(Library::open(&root, self.keeping.places(), move || wake.request_repaint()));
         }
     }
 
     /// Takes what threads have found, made and written. Once per frame.
     pub(super) fn mind_the_library(&mut self, ctx: &Context) {
-        if let Some(library) = &mut self.shelf.library {
+        if let Some(library) = &mut self.library_work.library {
             if library.poll() {
-                self.shelf.panel.is_new();
+                self.library_work.panel.is_new();
             }
             library.take_problems().into_iter().for_each(|problem| self.messages.warning(problem));
         }
-        let Some((step, receiver)) = &self.shelf.running else { return };
+        let Some((step, receiver)) = &self.library_work.running else { return };
         let (step, result) = (*step, receiver.try_recv());
         match result {
             Err(TryRecvError::Empty) => {}
-            Err(TryRecvError::Disconnected) => self.shelf.running = None,
+            Err(TryRecvError::Disconnected) => self.library_work.running = None,
             Ok((edit, refused)) => {
-                self.shelf.running = None;
+                self.library_work.running = None;
                 self.edited_files(step, edit, refused, ctx);
             }
         }
@@ -133,13 +133,13 @@ impl App {
         let (count, title) = (edit.files.len(), edit.title.clone());
         match step {
             Step::New => {
-                self.shelf.done.push(edit);
-                self.shelf.undone.clear();
-                let surplus = self.shelf.done.len().saturating_sub(MAX_STEPS);
-                self.shelf.done.drain(..surplus);
+                self.library_work.done.push(edit);
+                self.library_work.undone.clear();
+                let surplus = self.library_work.done.len().saturating_sub(MAX_STEPS);
+                self.library_work.done.drain(..surplus);
             }
-            Step::Undo => self.shelf.undone.push(edit.reversed()),
-            Step::Redo => self.shelf.done.push(edit),
+            Step::Undo => self.library_work.undone.push(edit.reversed()),
+            Step::Redo => self.library_work.done.push(edit),
         }
         let what = match step {
             Step::New => "",
@@ -148,15 +148,15 @@ impl App {
         };
         let files = if count == 1 { "1 file".to_owned() } else { format!("{count} files") };
         self.messages.info(format!("{what}{title}: {files} written."));
-        self.shelf.last = Some((self.tabs.front_id(), self.history.labels().count()));
-        if let Some(library) = &mut self.shelf.library {
+        self.library_work.last = Some((self.tabs.front_id(), self.history.labels().count()));
+        if let Some(library) = &mut self.library_work.library {
             library.rescan();
         }
     }
 
     /// Carries an edit out on a thread; one at a time.
     fn edit_files(&mut self, step: Step, plan: impl FnOnce() -> Planned + Send + 'static, ctx: &Context) {
-        if self.shelf.running.is_some() {
+        if self.library_work.running.is_some() {
             return self.messages.warning("Files are still being written; try again in a moment.");
         }
         let (sender, receiver) = channel();
@@ -169,29 +169,29 @@ impl App {
             _ = sender.send((done, refused));
             wake.request_repaint();
         });
-        self.shelf.running = Some((step, receiver));
+        self.library_work.running = Some((step, receiver));
     }
 
     /// Whether files were edited last, and nothing else was done since.
     fn are_files_last(&self) -> bool {
         let here = (self.tabs.front_id(), self.history.labels().count());
-        self.shelf.running.is_none() && self.shelf.last == Some(here) && !self.history.is_pending()
+        self.library_work.running.is_none() && self.library_work.last == Some(here) && !self.history.is_pending()
     }
 
     /// The edit of files that undo takes back, if it is its turn.
     pub(super) fn file_undo(&self) -> Option<&str> {
-        self.shelf.done.last().filter(|_| self.are_files_last()).map(|step| step.title.as_str())
+        self.library_work.done.last().filter(|_| self.are_files_last()).map(|step| step.title.as_str())
     }
 
     /// The edit of files that redo makes again, if it is its turn.
     pub(super) fn file_redo(&self) -> Option<&str> {
-        self.shelf.undone.last().filter(|_| self.are_files_last()).map(|step| step.title.as_str())
+        self.library_work.undone.last().filter(|_| self.are_files_last()).map(|step| step.title.as_str())
     }
 
     /// Takes the last edit of files back if nothing was done since; whether it was so.
     pub(super) fn undo_files(&mut self, is_asked: bool, ctx: &Context) -> bool {
-        let is_due = self.are_files_last() || (is_asked && self.shelf.running.is_none());
-        let Some(step) = self.shelf.done.pop_if(|_| is_due) else { return false };
+        let is_due = self.are_files_last() || (is_asked && self.library_work.running.is_none());
+        let Some(step) = self.library_work.done.pop_if(|_| is_due) else { return false };
         let edit = step.reversed();
         self.edit_files(Step::Undo, move || Planned { edit, refused: Vec::new() }, ctx);
         true
@@ -199,8 +199,8 @@ impl App {
 
     /// The same for making it again.
     pub(super) fn redo_files(&mut self, is_asked: bool, ctx: &Context) -> bool {
-        let is_due = self.are_files_last() || (is_asked && self.shelf.running.is_none());
-        let Some(edit) = self.shelf.undone.pop_if(|_| is_due) else { return false };
+        let is_due = self.are_files_last() || (is_asked && self.library_work.running.is_none());
+        let Some(edit) = self.library_work.undone.pop_if(|_| is_due) else { return false };
         self.edit_files(Step::Redo, move || Planned { edit, refused: Vec::new() }, ctx);
         true
     }
@@ -208,7 +208,7 @@ impl App {
     /// The last edit of files in the list of steps, with what takes it back or makes it again; nothing where there is none.
     pub(super) fn file_steps(&mut self, ui: &mut Ui) {
         let title = |step: Option<&BatchEdit>| step.map(|step| step.title.clone());
-        let (done, undone) = (title(self.shelf.done.last()), title(self.shelf.undone.last()));
+        let (done, undone) = (title(self.library_work.done.last()), title(self.library_work.undone.last()));
         for (title, text, action) in [(done, "Undo", LibraryAction::Undo), (undone, "Redo", LibraryAction::Redo)] {
             let Some(title) = title else { continue };
             ui.horizontal(|ui| {
@@ -227,10 +227,10 @@ impl App {
         let path = self.editor.document.path().map(Path::to_path_buf);
         let around = Around {
             current: path.as_deref(),
-            undo: self.shelf.done.last().map(|step| step.title.as_str()),
-            redo: self.shelf.undone.last().map(|step| step.title.as_str()),
+            undo: self.library_work.done.last().map(|step| step.title.as_str()),
+            redo: self.library_work.undone.last().map(|step| step.title.as_str()),
         };
-        if let Some(action) = self.shelf.panel.show(ui, self.shelf.library.as_mut(), &around) {
+        if let Some(action) = self.library_work.panel.show(ui, self.library_work.library.as_mut(), &around) {
             self.do_in_library(action, &ctx);
         }
     }
@@ -240,7 +240,7 @@ impl App {
         if action == LibraryAction::ChooseFolder {
             return self.ask(Purpose::OpenLibrary, ctx);
         }
-        let Some(library) = &mut self.shelf.library else { return };
+        let Some(library) = &mut self.library_work.library else { return };
         let root = library.root().to_path_buf();
         let whole = |paths: Vec<PathBuf>| paths.into_iter().map(|path| root.join(path)).collect::<Vec<_>>();
         match action {
@@ -254,12 +254,12 @@ impl App {
             LibraryAction::Apply(path) => self.apply_file(&root.join(path), ctx),
             LibraryAction::Compare(path) => self.loader.start(Job::Compare(self.tabs.front_id(), root.join(path)), ctx),
             LibraryAction::Edit(paths) => {
-                self.shelf.batch = batch_edit::BatchEdit::new(whole(paths));
+                self.library_work.batch = BatchPage::new(whole(paths));
                 self.pages.open(Page::BatchEdit);
             }
             LibraryAction::Rename(path) => {
                 let name = library.entries().iter().find(|entry| entry.path == path).map(|entry| entry.name.clone());
-                self.shelf.renamed = Some((root.join(path), name.unwrap_or_default()));
+                self.library_work.renamed = Some((root.join(path), name.unwrap_or_default()));
                 self.pages.open(Page::Rename);
             }
             LibraryAction::Duplicate(paths) => {
@@ -268,7 +268,7 @@ impl App {
             }
             LibraryAction::Favour(paths, is_favourite) => {
                 library.change_marks(|marks| paths.iter().for_each(|path| marks.set_favourite(path, is_favourite)));
-                self.shelf.panel.refresh();
+                self.library_work.panel.refresh();
             }
             LibraryAction::Rescan => library.rescan(),
             LibraryAction::NewFromMeasured => self.pages.open(Page::Measured),
@@ -284,8 +284,8 @@ impl App {
 
     /// The page that edits many files; whether it stays open.
     pub(super) fn batch_page(&mut self, ui: &mut Ui) -> bool {
-        let Some(changes) = self.shelf.batch.show(ui) else { return true };
-        let paths = self.shelf.batch.paths.clone();
+        let Some(changes) = self.library_work.batch.show(ui) else { return true };
+        let paths = self.library_work.batch.paths.clone();
         let ctx = ui.ctx().clone();
         self.edit_files(Step::New, move || edit::change(&paths, &changes), &ctx);
         false
@@ -293,7 +293,7 @@ impl App {
 
     /// The page that names a file anew; whether it stays open.
     pub(super) fn rename_page(&mut self, ui: &mut Ui) -> bool {
-        let Some((path, name)) = &mut self.shelf.renamed else { return false };
+        let Some((path, name)) = &mut self.library_work.renamed else { return false };
         ui.label("The material and its file get this name; undo brings back the old one.");
         let field = ui.add(egui::TextEdit::singleline(name).desired_width(f32::INFINITY)).accessible_name("New name");
         let is_entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
@@ -311,7 +311,7 @@ impl App {
 
     /// The page with measured materials; whether it stays open.
     pub(super) fn measured_page(&mut self, ui: &mut Ui) -> bool {
-        let Some(row) = self.shelf.measured.show(ui) else { return true };
+        let Some(row) = self.library_work.measured.show(ui) else { return true };
         self.new_from_measured(row, &ui.ctx().clone());
         false
     }
@@ -319,7 +319,7 @@ impl App {
     /// A new material from a measurement: a file in the library, or a document where none is open.
     pub fn new_from_measured(&mut self, row: &'static Measured, ctx: &Context) {
         let text = row.file_text();
-        match self.shelf.library.as_ref().map(|library| library.root().to_path_buf()) {
+        match self.library_work.library.as_ref().map(|library| library.root().to_path_buf()) {
             Some(root) => {
                 let name = row.name.replace(['/', '\\', ':', '*', '?', '"', '<', '>', '|'], "-");
                 self.edit_files(Step::New, move || edit::create(&root, &name, text), ctx);

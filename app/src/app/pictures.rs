@@ -220,7 +220,7 @@ impl App {
             let progress = Some(costs.lobes.len() as f32 / LOBES.len() as f32);
             list.push(Work { progress, ends: Some(Ends::Costs), ..Work::new("Measuring lobes") });
         }
-        if self.shelf.is_editing() {
+        if self.library_work.is_editing() {
             list.push(Work::new("Writing files of the library"));
         }
         if self.pictures_to_write > 0 {

@@ -9,7 +9,7 @@ use super::library_check::{self, LibraryCheckArguments};
 use super::progress_line::ProgressLine;
 use super::scene_options::SceneOptions;
 use super::{CliError, Messages, Outcome, interrupt, print_out};
-use crate::library::digest::Digest;
+use crate::digest::Digest;
 use crate::library::entry::Entry;
 use crate::library::index::Index;
 use crate::library::query::{Facts, Query};

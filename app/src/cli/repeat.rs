@@ -6,10 +6,9 @@ use super::picture_options::PictureOptions;
 use super::render::RenderArguments;
 use super::scene_options::{LoadedScene, SceneOptions};
 use super::{CliError, Messages, tiles};
-use crate::content_hash;
 use crate::files;
 use crate::picture_file::embedded_job;
-use crate::picture_job::{PROGRAM, PictureJob, Source, Stop, folder_of};
+use crate::picture_job::{PROGRAM, PictureJob, Source, Stop, folder_of, hash_of};
 use crate::scene_file::{MAX_SIDE, MAX_TILED_PIXELS};
 use burnish_assets::{make_environment, make_shape};
 use burnish_renderer::path::SPP_MAX;
@@ -159,7 +158,7 @@ fn text(
 fn unchanged(picture: &Path, what: &str, file: &str, hash: &str) -> Result<PathBuf, CliError> {
     let path = folder_of(picture).map_or_else(|| PathBuf::from(file), |folder| folder.join(file));
     let name = picture.display();
-    match content_hash::of_file(&path) {
+    match hash_of(&path) {
         Ok(found) if found == hash => Ok(path),
         Ok(_) => Err(CliError::unusable(format!(
             "{name}: the {what} {} is not what it was when the picture was made, so that it cannot be made again",

@@ -1,7 +1,7 @@
 //! What a library knows of one material file without opening it again.
 
-use super::digest::{Digest, Digesting};
 use super::walk::{Found, Stamp};
+use crate::digest::{Digest, Digesting};
 use crate::files::{self, FilesError};
 use burnish_material::{LOBES, Lobe, LobeSet, MAX_FILE_BYTES, Material, MaterialFile, PROPERTIES, Property, TextureRef, Value};
 use serde::{Deserialize, Serialize};

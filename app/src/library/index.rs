@@ -1,8 +1,8 @@
 //! What a library knows of its files, kept on disk so that only what has changed is read again.
 
-use super::digest::{Digest, Digesting};
 use super::entry::Entry;
 use super::walk::Stamp;
+use crate::digest::{Digest, Digesting};
 use crate::files::FilesError;
 use crate::own_files;
 use burnish_material::{LOBES, PROPERTIES};

@@ -4,7 +4,6 @@
 //! What is known is kept in the cache folder, so that opening a library again reads only what has changed ([`index`]).
 
 pub mod check;
-pub mod digest;
 pub mod edit;
 pub mod entry;
 pub mod index;
@@ -21,9 +20,9 @@ pub use entry::Entry;
 pub use query::Query;
 pub use shelf::State;
 
+use crate::digest::Digest;
 use crate::places::Places;
 use crate::thumbnails::Thumbnail;
-use digest::Digest;
 use index::Index;
 use marks::Marks;
 use pictures::{Making, Pictures, Wake};

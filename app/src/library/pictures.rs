@@ -1,9 +1,9 @@
 //! Small pictures for a window: loaded from disk and made on two threads, kept in memory up to a bound.
 
-use super::digest::Digest;
 use super::entry::Entry;
 use super::setup::{self, DEFAULT_SECONDS, Setup};
 use super::shelf::{Shelf, State};
+use crate::digest::Digest;
 use crate::thumbnails::Thumbnail;
 use burnish_renderer::path::{Prepared, StopReason};
 use image::ImageReader;

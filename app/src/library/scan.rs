@@ -1,13 +1,12 @@
 //! Bringing an index up to date with the folder: only files that have changed are read, on all threads that are given.
 
 use super::LibraryError;
-use super::digest::{Digest, Digesting};
 use super::entry::Entry;
 use super::index::{ImageHash, Index, image_places, with_images};
 use super::walk::{Found, Stamp, walk};
+use crate::digest::{Digest, Digesting};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -172,20 +171,10 @@ impl Scan<'_> {
 
     /// The hash of a file's bytes; `None` if it cannot be read or the scan is cancelled.
     fn image_hash(&self, place: &Path, size: u64) -> Option<Digest> {
-        let mut all = Digesting::default();
-        all.whole(&[size]);
-        if size <= MAX_IMAGE_BYTES {
-            let mut file = File::open(place).ok()?.take(MAX_IMAGE_BYTES);
-            let mut buffer = vec![0; 1 << 18];
-            loop {
-                let count = file.read(&mut buffer).ok().filter(|_| !(self.is_cancelled)())?;
-                if count == 0 {
-                    break;
-                }
-                all.piece(&buffer[..count]);
-            }
+        if size > MAX_IMAGE_BYTES {
+            return Some(Digesting::default().whole(&[size]).end());
         }
-        Some(all.end())
+        Digest::of_file(place, &|| !(self.is_cancelled)()).ok()?
     }
 
     /// Sets the hashes that depend on images, and what looked different before.

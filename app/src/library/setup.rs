@@ -1,11 +1,12 @@
 //! How small pictures of materials are made: one scene, one size, one quality for all of them.
 
-use super::digest::{Digest, Digesting};
 use super::entry::{Entry, reason};
+use crate::digest::{Digest, Digesting};
 use crate::export::{Picture, png_bytes};
 use crate::files;
 use burnish_assets::{ENVIRONMENTS, Mesh, SHAPES, make_shape};
 use burnish_material::{DEFAULT_UNIT_MM, MAX_FILE_BYTES, Material, MaterialFile, Property, Value};
+use burnish_renderer::PICTURE_VERSION;
 use burnish_renderer::path::{Prepared, Progress, Settings, StopReason, StopRules, render_prepared};
 use burnish_renderer::scene::{EnvironmentLight, ModelMeshes, Object, Scene, TextureSet};
 use burnish_renderer::tonemap::Display;
@@ -14,8 +15,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Raised when the path tracer or a built-in mesh or environment draws the same material differently: all pictures are stale then.
-const PICTURE_VERSION: u64 = 1;
 /// Columns and rows unless something says otherwise.
 pub const DEFAULT_SIDE: usize = 256;
 /// Error at which pictures are done unless something says otherwise: 2 %.
@@ -198,7 +197,7 @@ fn digest(stage: &Stage, frame: &Frame, set: &[(Property, Value)]) -> Digest {
     let Scene { objects, environment, camera, max_bounces } = &stage.scene;
     let mut all = Digesting::default();
     let Frame { width, height, relmse, seed, display } = *frame;
-    all.whole(&[PICTURE_VERSION, width as u64, height as u64, seed, u64::from(*max_bounces)]);
+    all.whole(&[u64::from(PICTURE_VERSION), width as u64, height as u64, seed, u64::from(*max_bounces)]);
     all.numbers(&[relmse, f64::from(display.exposure_ev)]).text(&display.transform.to_string());
     for (property, value) in set {
         all.text(property.def().name).text(&format!("{value:?}"));

@@ -2,8 +2,8 @@
 //!
 //! So pictures that several machines made lie side by side in one folder after a plain copy, and one that is there is never made again.
 
-use super::digest::Digest;
 use super::entry::Entry;
+use crate::digest::Digest;
 use crate::files::{FilesError, save_atomic};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

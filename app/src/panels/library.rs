@@ -81,6 +81,15 @@ impl Default for LibraryPanel {
     }
 }
 
+/// What a card shows.
+struct Card<'a> {
+    entry: &'a Entry,
+    state: State,
+    /// Whether it is the document in front.
+    is_current: bool,
+    is_favourite: bool,
+}
+
 /// What the panel knows besides the library.
 pub struct Around<'a> {
     /// The file of the document in front.
@@ -179,7 +188,6 @@ impl LibraryPanel {
             ui.label(RichText::new(if library.progress().is_some() { "Reading…" } else { text }).weak());
         }
         let scale = theme::text_scale(ui);
-        let font = egui::TextStyle::Small.resolve(ui.style());
         let card = vec2(self.side, self.side + 16.0 * scale);
         let across = ((ui.available_width() - 10.0 + GAP) / (card.x + GAP)).floor().max(1.0) as usize;
         let rows = self.found.len().div_ceil(across);
@@ -197,7 +205,7 @@ impl LibraryPanel {
                         self.load_texture(ui, library, &entry, state);
                         let is_current = around.current.is_some_and(|path| path == library.root().join(&entry.path));
                         let is_favourite = library.marks().is_favourite(&entry.path);
-                        self.paint(ui, rect, &response, &entry, state, is_current, is_favourite, &font);
+                        self.paint(ui, rect, &response, &Card { entry: &entry, state, is_current, is_favourite });
                         action = self.touched(ui, &response, &entry, place, library, is_favourite).or(action.take());
                     }
                 });
@@ -223,18 +231,9 @@ impl LibraryPanel {
         }
     }
 
-    #[allow(clippy::too_many_arguments)] // What a card shows.
-    fn paint(
-        &self,
-        ui: &Ui,
-        rect: Rect,
-        response: &Response,
-        entry: &Entry,
-        state: State,
-        is_current: bool,
-        is_favourite: bool,
-        font: &egui::FontId,
-    ) {
+    fn paint(&self, ui: &Ui, rect: Rect, response: &Response, card: &Card) {
+        let Card { entry, state, is_current, is_favourite } = *card;
+        let font = egui::TextStyle::Small.resolve(ui.style());
         let is_selected = self.selected.contains(&entry.path);
         let palette = theme::now();
         let visuals = ui.style().interact_selectable(response, is_selected);
@@ -282,7 +281,7 @@ impl LibraryPanel {
         let text = if is_current { format!("▸ {}", entry.name) } else { entry.name.clone() };
         let color = if is_selected { visuals.text_color() } else { palette.text };
         let line = Rect::from_min_max(pos2(rect.left(), room.bottom() + 1.0), rect.max).shrink2(vec2(3.0, 0.0));
-        let mut job = egui::text::LayoutJob::simple_singleline(text, font.clone(), color);
+        let mut job = egui::text::LayoutJob::simple_singleline(text, font, color);
         job.wrap = egui::text::TextWrapping::truncate_at_width(line.width());
         let galley = ui.painter().layout_job(job);
         painter.galley(line.min, galley, color);

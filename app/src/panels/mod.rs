@@ -1,7 +1,7 @@
 //! The parts of the window, one file each. A panel edits the document or asks for something; it carries nothing out.
 
 pub mod axis;
-pub mod batch_edit;
+pub mod batch_page;
 pub mod chart;
 pub mod explain;
 pub mod help;

@@ -1,11 +1,11 @@
 //! One file: everything that can be said of it alone.
 
-use super::super::digest::Digest;
 use super::super::entry::{Entry, reason, stem, values_hash};
 use super::super::setup::Setup;
 use super::super::shelf::State;
 use super::threads::Kept;
 use super::{Kind, Look, Options, Row, Shelved, doubts};
+use crate::digest::Digest;
 use crate::files::{self, FilesError};
 use burnish_material::{FileError, Material, MaterialFile, Severity};
 use burnish_renderer::stability::{self, Case};

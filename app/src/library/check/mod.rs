@@ -13,11 +13,11 @@ mod threads;
 pub use look::Look;
 pub use threads::map;
 
-use super::digest::Digest;
 use super::entry::Entry;
 use super::scan::Progress;
 use super::setup::{Frame, Setup, Stage};
 use super::shelf::{Shelf, State};
+use crate::digest::Digest;
 use burnish_material::{FindingKind, Severity};
 use file::{Checker, Report};
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! Which files are one material twice.
 
-use super::super::digest::{Digest, Digesting};
 use super::file::Report;
 use super::look::{ALIKE, Look};
 use super::{Kind, map};
+use crate::digest::{Digest, Digesting};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs::File;
 use std::io::Read;

@@ -1,12 +1,15 @@
-//! 128-bit hashes of contents: what tells two versions of a material apart, and names its small picture on disk.
+//! 128-bit hashes of contents: what tells two versions of a material or of a file apart, and names small pictures on disk.
 //!
 //! SipHash-2-4 with a fixed key. Among a million contents two would meet by accident once in 10²⁶ tries; it does not stand against somebody who
-//! looks for two contents of one hash, which would gain nothing but a wrong small picture. The same bytes give the same hash on every machine.
+//! looks for two contents of one hash, which would gain nothing but a wrong picture. The same bytes give the same hash on every machine.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use siphasher::sip128::{Hasher128, SipHasher24};
 use std::fmt;
+use std::fs::File;
 use std::hash::Hasher;
+use std::io::{self, Read};
+use std::path::Path;
 
 /// A hash, printed as 32 digits of base 16.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -16,6 +19,26 @@ impl Digest {
     /// The hash of some bytes.
     pub fn of(bytes: &[u8]) -> Self {
         Digesting::default().bytes(bytes).end()
+    }
+
+    /// The hash of what a file holds: the same as that of its size and then its bytes. `None` if `goes_on` says no after a part of it.
+    pub fn of_file(path: &Path, goes_on: &dyn Fn() -> bool) -> io::Result<Option<Self>> {
+        let mut file = File::open(path)?;
+        let size = file.metadata()?.len();
+        let mut all = Digesting::default();
+        all.whole(&[size]);
+        // Without the bound, a file that grows could be read for ever.
+        let mut rest = (&mut file).take(size);
+        let mut buffer = vec![0; 1 << 18];
+        loop {
+            if !goes_on() {
+                return Ok(None);
+            }
+            match rest.read(&mut buffer)? {
+                0 => return Ok(Some(all.end())),
+                count => _ = all.piece(&buffer[..count]),
+            }
+        }
     }
 
     /// The hash that 32 digits of base 16 stand for.
@@ -97,6 +120,24 @@ impl Digesting {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_byte_of_a_file_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        let hash = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            Digest::of_file(&path, &|| true).unwrap().unwrap()
+        };
+        for length in [0, 1, 7, (1 << 18) - 1, 1 << 18, (1 << 18) + 3] {
+            let mut bytes: Vec<u8> = (0..length).map(|i| (i * 31 % 251) as u8).collect();
+            let whole = hash(&bytes);
+            assert_eq!(whole, hash(&bytes));
+            bytes.push(0);
+            assert_ne!(whole, hash(&bytes), "{length}");
+        }
+        assert_eq!(Digest::of_file(&path, &|| false).unwrap(), None);
+    }
 
     #[test]
     fn the_same_bytes_give_the_same_hash_for_ever() {

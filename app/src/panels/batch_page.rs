@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// What is typed on the page.
 #[derive(Clone, Debug, Default)]
-pub struct BatchEdit {
+pub struct BatchPage {
     /// The files, as whole paths.
     pub paths: Vec<PathBuf>,
     add: String,
@@ -19,7 +19,7 @@ pub struct BatchEdit {
     value: String,
 }
 
-impl BatchEdit {
+impl BatchPage {
     /// For these files, with nothing typed.
     pub fn new(paths: Vec<PathBuf>) -> Self {
         Self { paths, ..Self::default() }
@@ -101,14 +101,14 @@ mod tests {
 
     #[test]
     fn what_is_typed_becomes_changes() {
-        let edit = BatchEdit {
+        let edit = BatchPage {
             add: "metal, worn ,".into(),
             remove: "old".into(),
             sets_licence: true,
             licence: " CC0-1.0 ".into(),
             property: Some(Property::roughness),
             value: "20/64".into(),
-            ..BatchEdit::default()
+            ..BatchPage::default()
         };
         let expected = [
             Change::AddTag("metal".into()),
@@ -118,8 +118,8 @@ mod tests {
             Change::SetValue(Property::roughness, Value::Float(0.3125)),
         ];
         assert_eq!(edit.changes().unwrap(), expected);
-        assert_eq!(BatchEdit { property: None, ..edit.clone() }.changes().unwrap().len(), 4);
-        let bad = BatchEdit { value: "rough".into(), ..edit };
+        assert_eq!(BatchPage { property: None, ..edit.clone() }.changes().unwrap().len(), 4);
+        let bad = BatchPage { value: "rough".into(), ..edit };
         assert!(bad.changes().unwrap_err().contains("a number such as"));
     }
 }
