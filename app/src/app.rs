@@ -35,6 +35,7 @@ use crate::panels::messages::Messages;
 use crate::panels::presets::PresetPanel;
 use crate::panels::properties::PropertyPanel;
 use crate::panels::reference::ReferencePanel;
+use crate::panels::texture_page::TexturePage;
 use crate::preferences::Preferences;
 use crate::sides::Sides;
 use crate::small_pictures::SmallPictures;
@@ -69,6 +70,7 @@ pub struct App {
     pages: Pages,
     presets: PresetPanel,
     library_work: LibraryWork,
+    textures: TexturePage,
     properties: PropertyPanel,
     reference: ReferencePanel,
     /// Small pictures of maps, meshes and lights.
@@ -147,6 +149,7 @@ impl App {
             pages: Pages::default(),
             presets: PresetPanel::default(),
             library_work: LibraryWork::default(),
+            textures: TexturePage::default(),
             properties: PropertyPanel::default(),
             reference: ReferencePanel::default(),
             small: SmallPictures::default(),

@@ -293,6 +293,11 @@ fn load_texture(path: &str, folder: Option<&Path>, maker: &mut TextureMaker) -> 
     }
 }
 
+/// Makes the map of a built-in texture that a path names, or says why there is none.
+pub fn make_built_in_texture(path: &str) -> Result<Image, String> {
+    load_texture(path, None, &mut TextureMaker::default())
+}
+
 /// Where the image comes from that a material names.
 enum TextureSource {
     /// It is made by code.

@@ -27,6 +27,8 @@ pub enum Job {
     Textures(u64, Box<Material>, Option<PathBuf>),
     /// An image for one property.
     Texture(u64, Property, PathBuf),
+    /// A map of a built-in texture for one property, by its path.
+    BuiltInTexture(u64, Property, String),
     /// An image that another program has changed, by the path that the material names.
     Image(u64, String, PathBuf),
     /// A folder of images for many properties.
@@ -92,7 +94,9 @@ impl Job {
             (Self::Shape(_) | Self::Model(_), Self::Shape(_) | Self::Model(_))
             | (Self::BuiltInEnvironment(_) | Self::Environment(_), Self::BuiltInEnvironment(_) | Self::Environment(_))
             | (Self::Reference(_), Self::Reference(_)) => true,
-            (Self::Texture(a, p, _), Self::Texture(b, q, _)) => (a, p) == (b, q),
+            (Self::Texture(a, p, _) | Self::BuiltInTexture(a, p, _), Self::Texture(b, q, _) | Self::BuiltInTexture(b, q, _)) => {
+                (a, p) == (b, q)
+            }
             (Self::Image(a, p, _), Self::Image(b, q, _)) => (a, p) == (b, q),
             (Self::Textures(a, ..), Self::Textures(b, ..)) => a == b,
             _ => self == newer,
@@ -115,6 +119,7 @@ impl Job {
             | Self::Model(path)
             | Self::Environment(path) => name(path),
             Self::Textures(..) => "maps".into(),
+            Self::BuiltInTexture(_, _, path) => path.clone(),
             Self::Shape(name) | Self::BuiltInEnvironment(name) => (*name).into(),
         }
     }
@@ -141,6 +146,7 @@ impl Job {
                 Ok(Loaded::Textures(textures))
             }
             Self::Texture(_, _, path) | Self::Image(_, _, path) => image(path).map(Loaded::Texture),
+            Self::BuiltInTexture(_, _, path) => files::make_built_in_texture(path).map(|image| Loaded::Texture(Arc::new(image))),
             Self::Reference(path) => image(path).map(Loaded::Reference),
             Self::TextureSet(_, folder) => load_set(folder, &mut warnings).map(Loaded::TextureSet),
             Self::Shape(name) => burnish_assets::make_shape(name)

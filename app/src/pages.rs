@@ -23,6 +23,8 @@ pub enum Page {
     Help,
     /// What is known about a property.
     Reference(Property),
+    /// Built-in textures for a property.
+    Textures(Property),
     /// What a program that ended badly has left.
     Recovery,
 }

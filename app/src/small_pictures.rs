@@ -1,7 +1,7 @@
 //! Thumbnails as textures of the window: of maps, of the built-in meshes and of the built-in lights, made when they are first asked for.
 
 use crate::thumbnails::{Key, Thumbnails};
-use burnish_assets::Image;
+use burnish_assets::{BuiltInTexture, Image};
 use burnish_material::Channel;
 use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use std::collections::HashMap;
@@ -9,6 +9,8 @@ use std::sync::Arc;
 
 /// Side of a map's picture in pixels: it is shown large under the pointer.
 const MAP_SIDE: usize = 192;
+/// Side of the picture of a built-in texture in pixels.
+const CARD_SIDE: usize = 128;
 /// Textures kept; the others are made again when they are asked for.
 const MAX_TEXTURES: usize = 256;
 
@@ -60,6 +62,16 @@ impl SmallPictures {
         let thumbnails = self.thumbnails(ctx);
         if !thumbnails.is_started(&key) {
             thumbnails.start_texture(path, image, channel, MAP_SIDE);
+        }
+        self.texture(ctx, key)
+    }
+
+    /// The picture of a map of a built-in texture, once it is made.
+    pub fn built_in_texture(&mut self, ctx: &Context, texture: BuiltInTexture) -> Option<TextureId> {
+        let key = Key::BuiltInTexture(texture.path());
+        let thumbnails = self.thumbnails(ctx);
+        if !thumbnails.is_started(&key) {
+            thumbnails.start_built_in_texture(texture, CARD_SIDE);
         }
         self.texture(ctx, key)
     }

@@ -7,7 +7,7 @@ mod make;
 
 pub use make::{environment_thumbnail, image_thumbnail, scene_thumbnail};
 
-use burnish_assets::{ENVIRONMENTS, Image, SHAPES};
+use burnish_assets::{BuiltInTexture, ENVIRONMENTS, Image, SHAPES, TextureMaker};
 use burnish_material::Channel;
 use burnish_renderer::path::Prepared;
 use std::collections::{HashMap, VecDeque};
@@ -37,6 +37,8 @@ pub struct Thumbnail {
 pub enum Key {
     /// A texture by the path that the material names, and the channels that are shown.
     Texture(String, Channel),
+    /// A map of a built-in texture as a material may name it.
+    BuiltInTexture(String),
     /// A built-in mesh by its name in [`SHAPES`].
     Shape(&'static str),
     /// A built-in environment by its name in [`ENVIRONMENTS`].
@@ -46,6 +48,7 @@ pub enum Key {
 /// What a picture is made of.
 enum Job {
     Texture { image: Arc<Image>, channel: Channel, side: usize },
+    BuiltInTexture { texture: BuiltInTexture, side: usize },
     Shape(&'static str),
     Environment(&'static str),
 }
@@ -97,6 +100,11 @@ impl Thumbnails {
     /// Asks for the picture of a texture, `side` pixels (at most [`MAX_SIDE`]) along its longer side or as many as the image has.
     pub fn start_texture(&mut self, path: &str, image: &Arc<Image>, channel: Channel, side: usize) {
         self.start(Key::Texture(path.to_owned(), channel), Job::Texture { image: image.clone(), channel, side });
+    }
+
+    /// Asks for the picture of a map of a built-in texture, `side` pixels (at most [`MAX_SIDE`]) along each side.
+    pub fn start_built_in_texture(&mut self, texture: BuiltInTexture, side: usize) {
+        self.start(Key::BuiltInTexture(texture.path()), Job::BuiltInTexture { texture, side });
     }
 
     /// Asks for pictures of all built-in meshes and environments that were not asked for yet.
@@ -202,12 +210,13 @@ fn work(inbox: &Receiver<Order>, results: &Sender<(u64, Option<Thumbnail>)>, on_
     let mut studio = None;
     // Scenes that follow each other share tables of their light.
     let mut last: Option<Prepared> = None;
+    let mut maker = TextureMaker::default();
     loop {
         let order = match inbox.try_recv() {
             Ok(order) => order,
             Err(_) => {
                 // Between requests hours may go by.
-                last = None;
+                (last, maker) = (None, TextureMaker::default());
                 match inbox.recv() {
                     Ok(order) => order,
                     Err(_) => return,
@@ -221,6 +230,7 @@ fn work(inbox: &Receiver<Order>, results: &Sender<(u64, Option<Thumbnail>)>, on_
         let is_stopped = || stop.load(Ordering::Relaxed);
         let made = catch_unwind(AssertUnwindSafe(|| match job {
             Job::Texture { image, channel, side } => image_thumbnail(&image, channel, side, &is_stopped),
+            Job::BuiltInTexture { texture, side } => image_thumbnail(&maker.make(&texture), Channel::Rgb, side, &is_stopped),
             Job::Environment(name) => burnish_assets::make_environment(name).as_ref().and_then(environment_thumbnail),
             Job::Shape(name) => make::shape_thumbnail(name, &mut studio, &mut last, &is_stopped),
         }));

@@ -315,7 +315,11 @@ fn pictures_come_for_what_is_in_sight_and_stay_on_disk() {
     let show = |library: &mut Library, makes: bool| {
         let start = Instant::now();
         let seen = [1, 2, 5];
-        while !seen.iter().all(|n| library.picture(&library.entries()[*n].clone()).is_some()) {
+        let is_there = |library: &Library, n: &usize| {
+            let entry = library.entries()[*n].clone();
+            library.picture(&entry).is_some() && (!makes || library.state(&entry) == State::Fresh)
+        };
+        while !seen.iter().all(|n| is_there(library, n)) {
             library.show(&seen, makes);
             library.poll();
             assert!(start.elapsed() < Duration::from_secs(60), "pictures do not come");

@@ -252,3 +252,41 @@ fn edits_are_steps_also_where_the_view_is_behind_another_tab() {
     assert!(!app(&window).dock().is_drawn(Pane::View) && app(&window).dock().is_drawn(Pane::Lobes));
     gesture(&mut window, Property::roughness.def(), "a text", |window| type_number(window, "Roughness", "0.7"));
 }
+
+#[test]
+fn a_property_reads_a_built_in_texture_that_keeps_its_value() {
+    let mut window = window_of(vec2(1280.0, 900.0), Vec::new());
+    set_document(&mut window, |material| {
+        material.set(Property::base_color, Value::Color([0.25, 0.5, 0.75]));
+    });
+    let press_button = |window: &mut Window, name: &str| {
+        let at =
+            window.query_all_by_role_and_label(Role::Button, name).last().unwrap_or_else(|| panic!("{name}")).rect().center();
+        click(window, at);
+        window.run_steps(3);
+    };
+    for (property, texture, path) in [
+        (Property::base_color, "wood-oak", "builtin:wood-oak/base_color?mean=0.25,0.5,0.75"),
+        (Property::metallic, "rust", "builtin:rust/metallic"),
+    ] {
+        press_button(&mut window, &format!("{} map", property.def().label));
+        press_button(&mut window, "Choose a built-in texture…");
+        press_button(&mut window, texture);
+        press_button(&mut window, &format!("Use {texture}"));
+        settle(&mut window);
+        let read = slot(&window, property).texture.expect("it reads a texture").path;
+        assert_eq!(read, path);
+        assert!(app(&window).editor().document.textures.contains_key(path), "{path} is not made");
+        // The page stays for another choice, until it is closed.
+        assert!(has(&window, Role::Button, &format!("Use {texture}")));
+        key(&mut window, Modifiers::NONE, Key::Escape);
+        window.run_steps(2);
+        assert!(!has(&window, Role::Button, &format!("Use {texture}")));
+        let (name, map) = path["builtin:".len()..].split_once('/').expect("a map");
+        let map = map.split('?').next().unwrap_or_default().replace('_', " ");
+        assert!(window.query_all_by_label(&format!("{name} · {map}")).next().is_some(), "the row does not say {name} · {map}");
+        press(&mut window, Command::Undo);
+        window.step();
+        assert_eq!(slot(&window, property).texture, None);
+    }
+}

@@ -119,6 +119,7 @@ fn walk(seed: u64) {
     assert_eq!(text(&window), FILE);
     // What a document may begin with: the walk saves, and opens again what it saved.
     let mut beginnings = HashSet::from([fresh, FILE.to_owned()]);
+    beginnings.extend(burnish_presets::measured::measured().iter().map(|row| row.file_text()));
     let presets = burnish_presets::presets();
     for _ in 0..STEPS {
         // One sample ends the final view, where it is shown.

@@ -11,6 +11,7 @@ use crate::live_denoise::DenoisedPicture;
 use crate::live_final::LiveFinal;
 use crate::loading::Job;
 use crate::pages::Page;
+use crate::panels::texture_page::TexturePage;
 use crate::sides::Side;
 use crate::widgets::value_edit::RowAction;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
@@ -262,6 +263,10 @@ impl App {
     pub(super) fn act(&mut self, action: RowAction, ctx: &Context) {
         match action {
             RowAction::ChooseMap(property) => self.ask_for_map(property, ctx),
+            RowAction::ChooseBuiltIn(property) => {
+                self.textures = TexturePage::new(&self.editor.document.material, property);
+                self.pages.open(Page::Textures(property));
+            }
             RowAction::PickColor(property) => {
                 self.picking = Some(property);
                 self.messages.info(format!("Click into a picture to take a colour for {}; Esc ends it.", property.def().label));

@@ -279,8 +279,22 @@ impl App {
             }
             (Job::Texture(id, property, path), Ok(Loaded::Texture(image))) => {
                 let label = format!("{} map {}", property.def().label, path.display());
-                self.edit_document(id, Some(&label), |document| set_map(document, property, &path, image, |_| {}));
+                self.edit_document(id, Some(&label), |document| {
+                    let name = files::texture_name(&path, document.folder());
+                    set_map(document, property, name, image, |_| {});
+                });
                 self.messages.info(format!("{} reads {}", property.def().label, path.display()));
+            }
+            (Job::BuiltInTexture(id, property, path), Ok(Loaded::Texture(image))) => {
+                let label = format!("{} map {path}", property.def().label);
+                self.edit_document(id, Some(&label), |document| {
+                    set_map(document, property, path, image, |texture| {
+                        // What was said of another image does not hold for this one.
+                        let fresh = TextureRef::new(String::new());
+                        (texture.channel, texture.color_space) = (fresh.channel, fresh.color_space);
+                        texture.is_inverted = fresh.is_inverted;
+                    });
+                });
             }
             (Job::Image(id, name, path), Ok(Loaded::Texture(image))) => {
                 self.edit_document(id, None, |document| drop(Arc::make_mut(&mut document.textures).insert(name, image)));
@@ -291,7 +305,8 @@ impl App {
                 let said = format!("{}: {}", folder.display(), names.join(", "));
                 self.edit_document(id, Some(&format!("Texture set {}", folder.display())), |document| {
                     for SetImage { property, path, channel, is_inverted, image } in set {
-                        set_map(document, property, &path, image, |texture| {
+                        let name = files::texture_name(&path, document.folder());
+                        set_map(document, property, name, image, |texture| {
                             (texture.channel, texture.is_inverted) = (channel, is_inverted);
                         });
                     }
@@ -382,9 +397,8 @@ fn place_of(job: &Job) -> Option<Place> {
     }
 }
 
-/// Lets a property read an image.
-fn set_map(document: &mut Document, property: Property, path: &Path, image: Arc<Image>, settings: impl FnOnce(&mut TextureRef)) {
-    let name = files::texture_name(path, document.folder());
+/// Lets a property read an image by the path that the file is to name.
+fn set_map(document: &mut Document, property: Property, name: String, image: Arc<Image>, settings: impl FnOnce(&mut TextureRef)) {
     Arc::make_mut(&mut document.textures).insert(name.clone(), image);
     let slot = document.material.slot_mut(property);
     let texture = slot.texture.get_or_insert_with(|| TextureRef::new(name.clone()));

@@ -46,6 +46,17 @@ impl App {
                     framed(ctx, "Keys and mouse", [620.0, 560.0], |ui| help::show(ui, &self.keymap, self.preferences.mouse));
                 self.close_unless(is_open && !self.is_escaped(ctx));
             }
+            Page::Textures(property) => {
+                let title = format!("{}: built-in textures", property.def().label);
+                let mut used = None;
+                let is_open = framed(ctx, &title, [560.0, 520.0], |ui| {
+                    used = self.textures.show(ui, &self.editor.document.material, &mut self.small);
+                });
+                if let Some(path) = used {
+                    self.loader.start(Job::BuiltInTexture(self.tabs.front_id(), property, path), ctx);
+                }
+                self.close_unless(is_open && !self.is_escaped(ctx));
+            }
             Page::Reference(property) => {
                 let title = format!("{}: reference", property.def().label);
                 let material = &self.editor.document.material;

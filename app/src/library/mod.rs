@@ -10,6 +10,7 @@ pub mod index;
 pub mod marks;
 pub mod pictures;
 pub mod query;
+mod queue;
 pub mod scan;
 mod scanner;
 pub mod setup;

@@ -1,7 +1,11 @@
 //! Small pictures for a window: loaded from disk and made on two threads, kept in memory up to a bound.
 
+#[cfg(test)]
+mod tests;
+
 use super::entry::Entry;
-use super::setup::{self, DEFAULT_SECONDS, Setup};
+use super::queue::Queue;
+use super::setup::{self, DEFAULT_SECONDS, DRAFT_SECONDS, Setup};
 use super::shelf::{Shelf, State};
 use crate::digest::Digest;
 use crate::thumbnails::Thumbnail;
@@ -12,7 +16,7 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Bytes of pictures in memory; those that were out of sight longest go first.
@@ -26,48 +30,6 @@ const MAX_SIDE: u32 = 2048;
 pub type Key = (Digest, Digest);
 /// Wakes the window from another thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
-
-/// Orders that the newest ones replace.
-struct Queue<T> {
-    orders: Mutex<(VecDeque<T>, bool)>,
-    changed: Condvar,
-}
-
-impl<T> Default for Queue<T> {
-    fn default() -> Self {
-        Self { orders: Mutex::default(), changed: Condvar::new() }
-    }
-}
-
-impl<T> Queue<T> {
-    fn lock(&self) -> MutexGuard<'_, (VecDeque<T>, bool)> {
-        self.orders.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn set(&self, orders: VecDeque<T>) {
-        self.lock().0 = orders;
-        self.changed.notify_one();
-    }
-
-    fn close(&self) {
-        *self.lock() = (VecDeque::new(), true);
-        self.changed.notify_all();
-    }
-
-    /// The next order, when there is one; `None` once nobody orders any more.
-    fn next(&self) -> Option<T> {
-        let mut orders = self.lock();
-        loop {
-            if orders.1 {
-                return None;
-            }
-            match orders.0.pop_front() {
-                Some(order) => return Some(order),
-                None => orders = self.changed.wait(orders).unwrap_or_else(PoisonError::into_inner),
-            }
-        }
-    }
-}
 
 /// What the threads send back.
 enum Done {
@@ -87,6 +49,8 @@ struct New {
     thumbnail: Thumbnail,
     /// Whether the time limit ended it.
     is_limited: bool,
+    /// Whether a better one follows.
+    is_draft: bool,
     /// Why it is not on disk.
     problem: Option<String>,
 }
@@ -105,7 +69,13 @@ pub struct Making {
 }
 
 /// A picture to make.
-type Order = (Arc<Entry>, Arc<Setup>);
+#[derive(Clone)]
+struct Order {
+    entry: Arc<Entry>,
+    setup: Arc<Setup>,
+    /// Whether a better one follows: this one is made to have something to look at, and not kept on disk.
+    is_draft: bool,
+}
 
 /// Pictures in memory, and those that will be.
 pub struct Pictures {
@@ -182,7 +152,8 @@ impl Pictures {
         self.bytes
     }
 
-    /// Orders the pictures of entries that are in sight, instead of what was ordered before.
+    /// Orders the pictures of entries that are in sight, instead of what was ordered before: drafts of looks that there is no picture of,
+    /// then all that are not fresh.
     pub fn want(&mut self, entries: &[&Arc<Entry>], shelf: &Shelf, setup: &Arc<Setup>, makes: bool) {
         let digest = setup.digest();
         let shown: Vec<Key> = entries.iter().filter_map(|entry| shelf.best(entry, digest)).collect();
@@ -197,9 +168,17 @@ impl Pictures {
         }
         let keys: Vec<Key> = in_sight.iter().map(|entry| (entry.look, digest)).collect();
         if self.ordered.as_ref() != Some(&keys) {
-            let mut orders: VecDeque<Order> = in_sight.iter().map(|entry| ((**entry).clone(), setup.clone())).collect();
+            let order = |entry: &&&Arc<Entry>, setup: &Arc<Setup>, is_draft| Order {
+                entry: (**entry).clone(),
+                setup: setup.clone(),
+                is_draft,
+            };
+            let draft = Arc::new(setup.draft());
+            let mut orders: VecDeque<Order> =
+                in_sight.iter().filter(|entry| !shelf.has_any(entry.look)).map(|entry| order(entry, &draft, true)).collect();
+            orders.extend(in_sight.iter().map(|entry| order(entry, setup, false)));
             orders.extend(self.batch.iter().cloned());
-            let looks = orders.iter().map(|(entry, _)| entry.look).collect();
+            let looks = orders.iter().map(|order| order.entry.look).collect();
             *self.may_make.lock().unwrap_or_else(PoisonError::into_inner) = looks;
             self.makes.set(orders);
             self.ordered = Some(keys);
@@ -217,7 +196,12 @@ impl Pictures {
         let mut looks = HashSet::new();
         let needs = |entry: &&&Arc<Entry>| entry.problem.is_none() && shelf.state(entry, setup.digest()) != State::Fresh;
         let is_first = |entry: &&&Arc<Entry>| looks.insert(entry.look);
-        self.batch = entries.iter().filter(needs).filter(is_first).map(|entry| ((*entry).clone(), setup.clone())).collect();
+        self.batch = entries
+            .iter()
+            .filter(needs)
+            .filter(is_first)
+            .map(|entry| Order { entry: (*entry).clone(), setup: setup.clone(), is_draft: false })
+            .collect();
         self.making = Making { total: self.batch.len(), ..Making::default() };
         self.begun = Instant::now();
         self.hopeless.clear();
@@ -237,7 +221,7 @@ impl Pictures {
     /// Takes note that there is a picture of a look, or can be none.
     fn count(&mut self, look: Digest) {
         let before = self.batch.len();
-        self.batch.retain(|(entry, _)| entry.look != look);
+        self.batch.retain(|order| order.entry.look != look);
         if self.batch.len() < before {
             self.making.done += 1;
             let mean = self.begun.elapsed().as_secs_f64() / self.making.done as f64;
@@ -254,10 +238,13 @@ impl Pictures {
                 Done::Loaded(key, Some(thumbnail)) => self.keep(key, thumbnail),
                 Done::Loaded(key, None) => _ = self.failed.insert(key),
                 Done::Made(new) => {
-                    let New { key, path, thumbnail, is_limited, problem } = *new;
+                    let New { key, path, thumbnail, is_limited, is_draft, problem } = *new;
                     shelf.note(key.0, key.1);
                     self.failed.remove(&key);
                     self.keep(key, thumbnail);
+                    if is_draft {
+                        continue;
+                    }
                     if is_limited {
                         self.making.limited.push(path);
                     }
@@ -334,10 +321,10 @@ impl Maker {
     fn run(mut self) {
         // Pictures that follow each other share tables of their light.
         let mut last: Option<Prepared> = None;
-        while let Some((entry, setup)) = self.queue.next() {
-            let place = self.root.join(&entry.path);
-            let made = setup::guarded(|| self.make(&entry, &setup, &mut last));
-            let failed = |problem: String| Some(Done::Failed(entry.look, format!("{}: {problem}", place.display())));
+        while let Some(order) = self.queue.next() {
+            let place = self.root.join(&order.entry.path);
+            let made = setup::guarded(|| self.make(&order, &mut last));
+            let failed = |problem: String| Some(Done::Failed(order.entry.look, format!("{}: {problem}", place.display())));
             let done = made.unwrap_or_else(failed);
             if let Some(done) = done {
                 if self.sender.send(done).is_err() {
@@ -349,7 +336,8 @@ impl Maker {
     }
 
     /// Makes and keeps a picture; `None` if it is not wanted any more.
-    fn make(&mut self, entry: &Entry, setup: &Setup, last: &mut Option<Prepared>) -> Result<Option<Done>, String> {
+    fn make(&mut self, order: &Order, last: &mut Option<Prepared>) -> Result<Option<Done>, String> {
+        let Order { entry, setup, is_draft } = order;
         let is_wanted = || self.may_make.lock().unwrap_or_else(PoisonError::into_inner).contains(&entry.look);
         let key = (entry.look, setup.digest());
         if self.made.contains(&key) || !is_wanted() {
@@ -358,15 +346,16 @@ impl Maker {
         let (material, textures, _) = setup::read(&self.root, entry)?;
         let scene = setup.scene_of(material, textures);
         let threads = self.threads.load(Ordering::Relaxed);
-        let Some(made) = setup.render(&scene, last, DEFAULT_SECONDS, threads, &mut |_| is_wanted())? else { return Ok(None) };
+        let seconds = if *is_draft { DRAFT_SECONDS } else { DEFAULT_SECONDS };
+        let Some(made) = setup.render(&scene, last, seconds, threads, &mut |_| is_wanted())? else { return Ok(None) };
         self.made.insert(key);
-        let kept = self.shelf.as_mut().map(|shelf| shelf.put(key.0, key.1, &made.png));
+        let kept = self.shelf.as_mut().filter(|_| !is_draft).map(|shelf| shelf.put(key.0, key.1, &made.png));
         let problem = kept.and_then(|kept| kept.err().map(|error| error.to_string()));
         let frame = setup.frame();
         let rgba = made.rgb.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]).collect();
         let thumbnail = Thumbnail { width: frame.width as u32, height: frame.height as u32, rgba };
         let is_limited = made.stop_reason == StopReason::Time;
-        Ok(Some(Done::Made(Box::new(New { key, path: entry.path.clone(), thumbnail, is_limited, problem }))))
+        Ok(Some(Done::Made(Box::new(New { key, path: entry.path.clone(), thumbnail, is_limited, is_draft: *is_draft, problem }))))
     }
 }
 

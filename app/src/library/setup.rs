@@ -21,6 +21,10 @@ pub const DEFAULT_SIDE: usize = 256;
 pub const DEFAULT_RELMSE: f64 = 0.0004;
 /// Seconds after which a picture is done in any case, unless something says otherwise.
 pub const DEFAULT_SECONDS: f64 = 120.0;
+/// Error at which a draft is done: 10 %.
+const DRAFT_RELMSE: f64 = 0.01;
+/// Seconds after which a draft is done in any case.
+pub const DRAFT_SECONDS: f64 = 1.0;
 
 /// What all pictures have in common.
 #[derive(Clone, Debug)]
@@ -113,6 +117,15 @@ impl Setup {
     /// Hash of everything that pictures have in common, the quality included, but for time limit and threads.
     pub fn digest(&self) -> Digest {
         self.digest
+    }
+
+    /// The same in half the size and in a quality that is reached in a moment, to have something to look at before the real pictures.
+    pub fn draft(&self) -> Self {
+        let Frame { width, height, relmse, .. } = self.frame;
+        let (width, height) = (width.div_ceil(2), height.div_ceil(2));
+        let frame = Frame { width, height, relmse: relmse.max(DRAFT_RELMSE), ..self.frame };
+        let digest = Digesting::default().text(&format!("draft of {}", self.digest)).end();
+        Self { scene: self.scene.clone(), set: self.set.clone(), frame, digest, ..*self }
     }
 
     /// How pictures are taken.

@@ -17,6 +17,7 @@ pub mod property_page;
 pub mod reference;
 pub mod stability;
 pub mod status;
+pub mod texture_page;
 pub mod toolbar;
 pub mod viewport;
 pub mod wipe;

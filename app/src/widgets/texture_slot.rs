@@ -3,6 +3,7 @@
 use crate::theme;
 use crate::widgets::number_field::NumberField;
 use crate::widgets::value_edit::{GUTTER, Row, RowAction, label_width};
+use burnish_assets::BuiltInTexture;
 use burnish_material::{Channel, ColorSpace, Kind, PropertyDef, TextureRef, Wrap};
 use egui::{Label, Popup, PopupCloseBehavior, RichText, Ui, vec2};
 
@@ -12,9 +13,8 @@ pub fn texture_slot(ui: &mut Ui, def: &PropertyDef, texture: &mut Option<Texture
         ui.add_space(GUTTER + label_width(ui) + ui.spacing().item_spacing.x);
         ui.spacing_mut().button_padding = vec2(5.0, 1.0);
         let Some(reference) = texture else {
-            if ui.button("Choose map…").accessible_name(format!("{} map", def.label)).clicked() {
-                *action = Some(RowAction::ChooseMap(def.id));
-            }
+            let choose = ui.button("Choose map…").accessible_name(format!("{} map", def.label));
+            Popup::menu(&choose).show(|ui| sources(ui, def, action));
             ui.label(RichText::new("or drop an image").small().weak());
             return;
         };
@@ -28,9 +28,8 @@ pub fn texture_slot(ui: &mut Ui, def: &PropertyDef, texture: &mut Option<Texture
             Popup::menu(&settings)
                 .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
                 .show(|ui| settings_grid(ui, def, reference));
-            if ui.button("…").accessible_name(format!("{} map", def.label)).on_hover_text("Choose another image").clicked() {
-                *action = Some(RowAction::ChooseMap(def.id));
-            }
+            let other = ui.button("…").accessible_name(format!("{} map", def.label)).on_hover_text("Choose another image");
+            Popup::menu(&other).show(|ui| sources(ui, def, action));
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 let is_loaded = row.is_map_loaded;
                 if let Some(thumbnail) = row.thumbnail {
@@ -38,8 +37,8 @@ pub fn texture_slot(ui: &mut Ui, def: &PropertyDef, texture: &mut Option<Texture
                     ui.add(image).on_hover_ui(|ui| drop(ui.image((thumbnail, vec2(192.0, 192.0)))));
                 }
                 let (color, hint) = if is_loaded { (theme::now().accent, "") } else { (theme::now().warning, "⚠ ") };
-                let name = reference.path.rsplit('/').next().unwrap_or(&reference.path);
-                let label = ui.add(Label::new(RichText::new(format!("{hint}{name}")).small().color(color)).truncate());
+                let label =
+                    ui.add(Label::new(RichText::new(hint.to_owned() + &name(&reference.path)).small().color(color)).truncate());
                 let note = if is_loaded { "" } else { "\nThis image is not loaded; the value is used instead." };
                 label.on_hover_text(format!("{}{note}", reference.path));
             });
@@ -48,6 +47,24 @@ pub fn texture_slot(ui: &mut Ui, def: &PropertyDef, texture: &mut Option<Texture
             *texture = None;
         }
     });
+}
+
+/// Where a map comes from.
+pub fn sources(ui: &mut Ui, def: &PropertyDef, action: &mut Option<RowAction>) {
+    if ui.button("Choose an image…").clicked() {
+        *action = Some(RowAction::ChooseMap(def.id));
+    }
+    if ui.button("Choose a built-in texture…").clicked() {
+        *action = Some(RowAction::ChooseBuiltIn(def.id));
+    }
+}
+
+/// The file of a map, or the built-in texture with its map.
+fn name(path: &str) -> String {
+    match BuiltInTexture::parse(path) {
+        Some(Ok(texture)) => format!("{} · {}", texture.def.name, texture.map.word().replace('_', " ")),
+        _ => path.rsplit('/').next().unwrap_or(path).to_owned(),
+    }
 }
 
 fn settings_grid(ui: &mut Ui, def: &PropertyDef, reference: &mut TextureRef) {

@@ -54,6 +54,8 @@ pub struct Row<'a> {
 pub enum RowAction {
     /// Choose an image for this property.
     ChooseMap(Property),
+    /// Choose a built-in texture for this property.
+    ChooseBuiltIn(Property),
     /// Take the colour of this property from a picture.
     PickColor(Property),
     /// Show everything that is known about this property.
@@ -221,6 +223,10 @@ fn label_column(ui: &mut Ui, def: &PropertyDef, material: &mut Material, row: &R
         if def.default.kind() == Kind::Color && ui.button("Pick from a picture").clicked() {
             *action = Some(RowAction::PickColor(def.id));
         }
+        if def.vary != Vary::Uniform {
+            ui.separator();
+            texture_slot::sources(ui, def, action);
+        }
         ui.separator();
         if ui.add(egui::Button::new("Reference").shortcut_text("F1")).clicked() {
             *action = Some(RowAction::ShowReference(def.id));
@@ -339,13 +345,9 @@ fn trailing(ui: &mut Ui, def: &PropertyDef, slot: &mut Slot, action: &mut Option
     if def.vary == Vary::Texturable && slot.texture.is_none() {
         let button = ui.add(egui::Button::new("").frame_when_inactive(false).min_size(size));
         paint_checker(ui, button.rect, if button.hovered() { ui.visuals().strong_text_color() } else { theme::now().weak });
-        if button
-            .accessible_name(format!("{} map", def.label))
-            .on_hover_text("Choose a map, or drop an image on this row")
-            .clicked()
-        {
-            *action = Some(RowAction::ChooseMap(def.id));
-        }
+        let button =
+            button.accessible_name(format!("{} map", def.label)).on_hover_text("Choose a map, or drop an image on this row");
+        egui::Popup::menu(&button).show(|ui| texture_slot::sources(ui, def, action));
     } else {
         ui.add_space(size.x + ui.spacing().item_spacing.x);
     }

@@ -89,6 +89,33 @@ impl BuiltInTexture {
         Some(Self::parse_name(rest))
     }
 
+    /// A map of a texture without settings, if it has that map.
+    pub fn new(def: &'static TextureDef, map: TextureMap) -> Option<Self> {
+        def.maps.contains(&map).then_some(Self { def, map, mean: None, contrast: 1.0 })
+    }
+
+    /// Whether its mean and contrast can be set: those of colours and of roughness.
+    pub fn has_settings(&self) -> bool {
+        matches!(self.map, TextureMap::BaseColor | TextureMap::Roughness)
+    }
+
+    /// The path that names it; [`BuiltInTexture::parse`] reads it back. Settings that say nothing are left out.
+    pub fn path(&self) -> String {
+        let mut settings = Vec::new();
+        if self.has_settings() {
+            match self.mean {
+                Some([r, g, b]) if self.map == TextureMap::BaseColor => settings.push(format!("mean={r},{g},{b}")),
+                Some([x, ..]) => settings.push(format!("mean={x}")),
+                None => {}
+            }
+            if self.contrast != 1.0 {
+                settings.push(format!("contrast={}", self.contrast));
+            }
+        }
+        let mark = if settings.is_empty() { "" } else { "?" };
+        format!("{BUILT_IN_PREFIX}{}/{}{mark}{}", self.def.name, self.map.word(), settings.join("&"))
+    }
+
     fn parse_name(text: &str) -> Result<Self, TextureError> {
         let (name, settings) = text.split_once('?').map_or((text, None), |(name, settings)| (name, Some(settings)));
         let (name, map) = name.split_once('/').unwrap_or((name, ""));
@@ -109,7 +136,7 @@ impl BuiltInTexture {
     /// Takes a setting such as `mean=0.4`, or says what was expected.
     fn set(&mut self, setting: &str) -> Result<(), &'static str> {
         let is_color = self.map == TextureMap::BaseColor;
-        if !is_color && self.map != TextureMap::Roughness {
+        if !self.has_settings() {
             return Err("no settings for this map");
         }
         let (key, text) = setting.split_once('=').ok_or("mean=NUMBERS or contrast=NUMBER")?;
@@ -195,4 +222,31 @@ fn is_within(x: f32, highest: f32) -> bool {
 
 fn mean(values: &[f32]) -> f32 {
     (values.iter().map(|x| f64::from(*x)).sum::<f64>() / values.len() as f64) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_read_back() {
+        for def in TEXTURES {
+            for map in TextureMap::ALL.iter().map(|(map, _)| *map) {
+                let Some(texture) = BuiltInTexture::new(def, map) else { continue };
+                for mean in [None, Some([0.1, 0.1, 0.1]), Some([0.1, 0.25, 1.0])] {
+                    for contrast in [1.0, 0.0, 0.3] {
+                        let path = BuiltInTexture { mean, contrast, ..texture }.path();
+                        let read = BuiltInTexture::parse(&path).expect("it is built in").expect("it is there");
+                        assert_eq!((read.def.name, read.map, read.path()), (def.name, map, path.clone()));
+                        if texture.has_settings() {
+                            let mean = if map == TextureMap::BaseColor { mean } else { mean.map(|mean| [mean[0]; 3]) };
+                            assert_eq!((read.mean, read.contrast), (mean, contrast), "{path}");
+                        } else {
+                            assert!(!path.contains('?'), "{path}");
+                        }
+                    }
+                }
+            }
+        }
+    }
 }
