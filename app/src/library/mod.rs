@@ -7,12 +7,14 @@ pub mod check;
 pub mod edit;
 pub mod entry;
 pub mod index;
+pub mod maker;
 pub mod marks;
 pub mod pictures;
 pub mod query;
 pub mod scan;
 mod scanner;
 pub mod setup;
+pub mod sheet;
 pub mod shelf;
 pub mod walk;
 
