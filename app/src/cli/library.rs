@@ -4,6 +4,7 @@
 //! folder of the user, and with it small pictures unless `--out` names another folder.
 
 mod making;
+mod pack;
 mod sheet;
 mod thumbnails;
 
@@ -47,6 +48,11 @@ enum Action {
         size.value_name("SIDE|WxH").value_parser(making::picture_size).help("Size of the pictures in pixels [default: 256]")
     }))]
     Sheet(Box<sheet::SheetArguments>),
+    /// Packs the materials in a folder and below to hand them out: with their images, a contact sheet, licences and the report of a check
+    #[command(mut_arg("size", |size| {
+        size.value_name("SIDE|WxH").value_parser(making::picture_size).help("Size of the pictures in pixels [default: 256]")
+    }))]
+    Pack(Box<pack::PackArguments>),
     /// Checks the materials in a folder and below before they are handed out, and compares them with an earlier release
     Check(LibraryCheckArguments),
 }
@@ -71,6 +77,7 @@ pub fn run(arguments: &LibraryArguments) -> Result<Outcome, CliError> {
         Action::Index(arguments) => index(arguments),
         Action::Thumbnails(arguments) => thumbnails::run(arguments),
         Action::Sheet(arguments) => sheet::run(arguments),
+        Action::Pack(arguments) => pack::run(arguments),
         Action::Check(arguments) => library_check::run(arguments),
     }
 }

@@ -9,6 +9,7 @@ pub mod entry;
 pub mod index;
 pub mod maker;
 pub mod marks;
+pub mod pack;
 pub mod pictures;
 pub mod query;
 pub mod scan;

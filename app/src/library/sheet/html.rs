@@ -32,8 +32,11 @@ impl Sheet {
         let mut done = 0;
         for cards in self.groups() {
             let group = cards.first().map_or("", |card| card.group.as_str());
-            let title = if group.is_empty() { String::new() } else { format!("<span dir=\"auto\">{}</span> ", escape(group)) };
-            body += &format!("<section>\n<h2>{title}<small>{}</small></h2>\n<ul>\n", cards.len());
+            let title = match group {
+                "" => String::new(),
+                group => format!("<h2><span dir=\"auto\">{}</span> <small>{}</small></h2>\n", escape(group), cards.len()),
+            };
+            body += &format!("<section>\n{title}<ul>\n");
             for card in cards {
                 body += &item(card, side)?;
                 done += 1;
@@ -73,20 +76,16 @@ fn item(card: &Card, side: u32) -> Result<String, SheetError> {
         licence => line("licence", licence),
     };
     let hash = card.hash.to_string();
-    let rows = [
-        ("Source", provenance.source.as_str()),
-        ("Reference", &provenance.reference),
-        ("Method", &provenance.method),
-        ("File", &card.path),
-        ("Hash", &hash),
-    ];
+    let rows =
+        [("Reference", provenance.reference.as_str()), ("Method", &provenance.method), ("File", &card.path), ("Hash", &hash)];
     let rows: String = rows
         .iter()
         .filter(|(_, text)| !text.trim().is_empty())
         .map(|(title, text)| format!("<dt>{title}</dt><dd dir=\"auto\">{}</dd>", escape(text)))
         .collect();
     Ok(format!(
-        "<li>{picture}<h3 dir=\"auto\">{name}</h3>{stale}{}{licence}<details><summary>Origin</summary><dl>{rows}</dl></details></li>\n",
-        line("tags", &card.tags.join(", "))
+        "<li>{picture}<h3 dir=\"auto\">{name}</h3>{stale}{}{licence}{}<details><summary>Origin</summary><dl>{rows}</dl></details></li>\n",
+        line("tags", &card.tags.join(", ")),
+        line("source", &provenance.source)
     ))
 }
