@@ -39,7 +39,7 @@ fn a_sheet_is_a_page_a_picture_or_both() {
     let page = fs::read_to_string(place.path("contact-sheet.html")).unwrap();
     assert_eq!((page.matches("no picture").count(), page.matches("data:image").count()), (5, 0));
 
-    let both = run(&place, "sheet", &["--out", "a.html", "--out", "a.png", "--title", "My & clay", "--json"]);
+    let both = run(&place, "sheet", &["--out", "a.html", "--out", "a.png", "--title", "My & clay", "--columns", "2", "--json"]);
     assert_eq!((both.code, &both.json()["made"]), (Some(0), &5.into()), "{}", both.err);
     for row in rows(&both) {
         assert!(row["hash"].as_str().is_some_and(|hash| hash.len() == 32) && row["state"] == "fresh", "{row}");
@@ -49,7 +49,7 @@ fn a_sheet_is_a_page_a_picture_or_both() {
     assert_eq!((page.matches("data:image/jpeg").count(), page.matches("<b>").count()), (5, 0));
     assert!(page.contains("My &amp; clay") && page.contains("5 materials in 2 groups") && page.contains("no licence stated"));
     let picture = image::open(place.path("a.png")).unwrap().into_rgb8();
-    assert!(picture.width() > 300 && picture.height() > 100, "{:?}", picture.dimensions());
+    assert!(picture.width() == 2 * 28 + 2 * 104 + 18 && picture.height() > 200, "{:?}", picture.dimensions());
 
     // What is there is not made again; what cannot be used is told and left out.
     place.write("library/broken.asm.ron", "{\"properties\": ");
@@ -115,4 +115,37 @@ fn a_pack_is_made_unless_there_are_errors() {
         "{}",
         taken.err
     );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interruption_keeps_the_pictures_and_leaves_nothing_half() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+    let place = place();
+    for (what, out) in [("sheet", "late.html"), ("pack", "late")] {
+        let before = place.names();
+        let words =
+            ["library", what, "library", "--out", out, "--pictures", "pictures", "--json", "--mesh", "sphere", "--size", "32"];
+        let rules = ["--error", "1e-12", "--time-limit", "0.5", "--seed", if what == "sheet" { "1" } else { "2" }];
+        let mut command = place.command();
+        command.env("BURNISH_HOME", place.path("home")).args(words).args(rules).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = command.spawn().unwrap();
+        let pictures = || -> usize {
+            let names = fs::read_dir(place.path("pictures")).into_iter().flatten().map(|entry| entry.unwrap().file_name());
+            names.filter(|name| name.to_str().unwrap().ends_with(".png")).count()
+        };
+        let (had, start) = (pictures(), Instant::now());
+        while pictures() == had {
+            assert!(start.elapsed() < Duration::from_secs(60), "no pictures come");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        let ended = Run::from(child.wait_with_output().unwrap());
+        assert_eq!(ended.code, Some(130), "{}", ended.err);
+        assert!(ended.err.contains("pictures were made and are kept") && pictures() > had, "{}", ended.err);
+        let after: Vec<String> =
+            place.names().into_iter().filter(|name| !["pictures", "home"].contains(&name.as_str())).collect();
+        assert_eq!(after, before.into_iter().filter(|name| !["pictures", "home"].contains(&name.as_str())).collect::<Vec<_>>());
+    }
 }

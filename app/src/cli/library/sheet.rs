@@ -30,6 +30,12 @@ pub struct SheetArguments {
     /// Shows only what matches, such as `metal rough<0.3 tag:measured -glass is:stale`
     #[arg(long, value_name = "QUERY", allow_hyphen_values = true)]
     search: Option<String>,
+    /// Largest side of the pictures on the sheet, 16 to 1024 pixels [default: as they are, in a PNG 256 or what fits]
+    #[arg(long, value_name = "PIXELS", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(16..=1024))]
+    side: Option<u32>,
+    /// Columns of a PNG [default: about three by two]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=256))]
+    columns: Option<u32>,
     /// Makes no pictures: those that are missing are empty, and old ones are shown
     #[arg(long)]
     no_render: bool,
@@ -65,6 +71,7 @@ pub fn run(arguments: &SheetArguments) -> Result<Outcome, CliError> {
     // Told before hours of rendering.
     let shelf = &read.shelf;
     let planned = Sheet::of(&title, &arguments.folder, &entries, shelf, setup.digest()).0;
+    let planned = planned.shaped(arguments.side, arguments.columns);
     arguments
         .out
         .iter()
@@ -95,6 +102,7 @@ fn write(
 ) -> Result<Sheet, CliError> {
     let (sheet, problems) = Sheet::of(title, &arguments.folder, entries, shelf, setup.digest());
     problems.into_iter().for_each(|problem| messages.warn(problem));
+    let sheet = sheet.shaped(arguments.side, arguments.columns);
     let mut line = ProgressLine::new();
     for out in &arguments.out {
         let total = sheet.cards().len();

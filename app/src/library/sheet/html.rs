@@ -21,7 +21,7 @@ impl Sheet {
     pub fn html(&self, go_on: &mut dyn FnMut(usize) -> bool) -> Result<Option<String>, SheetError> {
         self.refuse_too_long()?;
         // Sharp on fine screens as long as that does not make the page slow.
-        let side = if self.cards.len() <= 1000 { 512 } else { 160 };
+        let side = self.side.unwrap_or(if self.cards.len() <= 1000 { 512 } else { 160 }).max(1);
         let mut body = format!(
             "<header>\n<div><h1 dir=\"auto\">{}</h1><p>{} · {}</p></div>\n<label hidden>Filter <input type=\"search\" id=\"filter\" \
              placeholder=\"name, group, tag, licence\" autocomplete=\"off\" spellcheck=\"false\"> <output for=\"filter\"></output></label>\n</header>\n<main>\n",

@@ -104,13 +104,20 @@ pub(super) fn slashed(path: &Path) -> String {
 pub struct Sheet {
     title: String,
     cards: Vec<Card>,
+    side: Option<u32>,
+    columns: Option<u32>,
 }
 
 impl Sheet {
     /// A sheet of these cards.
     pub fn new(title: &str, mut cards: Vec<Card>) -> Self {
         cards.sort_by(|a, b| (&a.group, &a.path).cmp(&(&b.group, &b.path)));
-        Self { title: title.to_owned(), cards }
+        Self { title: title.to_owned(), cards, side: None, columns: None }
+    }
+
+    /// With pictures of at most `side` pixels, and in a PNG so many columns. `None` as it fits best.
+    pub fn shaped(self, side: Option<u32>, columns: Option<u32>) -> Self {
+        Self { side, columns, ..self }
     }
 
     /// Reads the materials of those entries that can be used, and shows them. Files that cannot be read any more are left out, with a

@@ -10,7 +10,7 @@ use image::{Rgb, RgbImage, imageops};
 const MAX_PIXELS: u64 = 1 << 26;
 /// Most columns or rows of pixels.
 const MAX_LENGTH: u32 = 16_384;
-/// Sides that pictures may have, the largest that fits first; smaller ones of the library stay as they are.
+/// Sides that pictures have unless something else is asked for, the largest that fits first; smaller ones of the library stay as they are.
 const SIDES: [u32; 5] = [256, 192, 128, 96, 64];
 /// Narrower columns would break names into pieces.
 const MIN_COLUMN: u32 = 104;
@@ -85,8 +85,8 @@ impl Sheet {
         let count = self.cards.len();
         // Pictures of one library are of one size, and none is drawn larger than it is.
         let own = self.cards.iter().find_map(|card| image::image_dimensions(card.picture.as_deref()?).ok());
-        let own = own.map_or(SIDES[0], |(width, height)| width.max(height)).max(1);
-        let sides = std::iter::once(own.min(SIDES[0])).chain(SIDES.into_iter().filter(|side| *side < own));
+        let own = own.map_or(SIDES[0], |(width, height)| width.max(height)).min(self.side.unwrap_or(SIDES[0])).max(1);
+        let sides = std::iter::once(own).chain(SIDES.into_iter().filter(|side| *side < own));
         for side in sides {
             // The least that it takes, so that what cannot fit is not laid out.
             let least = count as u64 * u64::from(side) * u64::from(side);
@@ -107,7 +107,8 @@ impl Sheet {
         // About three by two, without columns that no group fills, and wide enough for the title.
         let longest = self.groups().map(<[Card]>::len).max().unwrap_or_default() as u32;
         let wished = (self.cards.len() as f64 * 1.6).sqrt().ceil() as u32;
-        let across = wished.min(longest).clamp(4, (MAX_LENGTH - 2 * MARGIN) / (column + GAP));
+        let most = (MAX_LENGTH - 2 * MARGIN) / (column + GAP);
+        let across = self.columns.unwrap_or(wished.min(longest).max(4)).clamp(1, most);
         let width = 2 * MARGIN + across * (column + GAP) - GAP;
         let inner = (width - 2 * MARGIN) as f32;
         let mut layout = Layout { size: [width, 0], texts: Vec::new(), pictures: Vec::with_capacity(self.cards.len()), side };

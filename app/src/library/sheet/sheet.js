@@ -15,6 +15,8 @@ function apply() {
             inGroup += !card.hidden;
         }
         section.hidden = inGroup === 0;
+        const small = section.querySelector("small");
+        if (small) small.textContent = inGroup;
         shown += inGroup;
     }
     none.hidden = shown > 0;

@@ -72,6 +72,8 @@ fn a_picture_has_all_pictures_and_their_names() {
         let grey = |picture: &RgbImage| picture.pixels().filter(|pixel| pixel[1] > 120).count();
         assert!(grey(&picture) > 100 + 40 * count, "{count}: names are there");
     }
+    let wide = picture_of(&sheet(folder.path(), 9, [160, 160]).shaped(Some(120), Some(3)));
+    assert_eq!(wide.width(), 2 * 28 + 3 * 120 + 2 * 18);
     assert!(sheet(folder.path(), 9, [16, 16]).png(&mut |done| done < 3).unwrap().is_none());
 }
 
