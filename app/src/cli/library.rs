@@ -1,7 +1,7 @@
 //! `burnish library`: a folder of materials as a library: what is in it, small pictures of it, and whether it can be handed out.
 //!
 //! A file that cannot be used is a finding and does not keep the others from being looked at. What is known of a library is kept in the cache
-//! folder of the user, and with it small pictures unless `--out` names another folder.
+//! folder of the user, and with it small pictures unless an option names another folder.
 
 mod making;
 mod pack;

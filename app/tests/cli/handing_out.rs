@@ -144,6 +144,7 @@ fn an_interruption_keeps_the_pictures_and_leaves_nothing_half() {
         let ended = Run::from(child.wait_with_output().unwrap());
         assert_eq!(ended.code, Some(130), "{}", ended.err);
         assert!(ended.err.contains("pictures were made and are kept") && pictures() > had, "{}", ended.err);
+        assert_eq!(ended.json()["made"].as_u64(), Some((pictures() - had) as u64));
         let after: Vec<String> =
             place.names().into_iter().filter(|name| !["pictures", "home"].contains(&name.as_str())).collect();
         assert_eq!(after, before.into_iter().filter(|name| !["pictures", "home"].contains(&name.as_str())).collect::<Vec<_>>());

@@ -6,14 +6,16 @@ use crate::cli::check::{counts, text_row, with_progress};
 use crate::cli::progress_line::ProgressLine;
 use crate::cli::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::library::check::{Checked, Options, Shelved, check_library, report};
+use crate::library::entry::Entry;
 use crate::library::pack::{self, Pack, Packed};
 use crate::library::scan::Progress;
-use crate::library::shelf::State;
+use crate::library::setup::Setup;
+use crate::library::shelf::{Shelf, State};
 use burnish_material::Severity;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Arguments of `burnish library pack`.
 #[derive(Debug, Args)]
@@ -67,58 +69,73 @@ pub fn run(arguments: &PackArguments) -> Result<Outcome, CliError> {
     }
     let (rows, is_whole) = arguments.making.make(folder, &entries, only, &setup, &mut read.shelf, &mut messages);
     let made = making::made(&rows);
-    let stopped = || CliError::Stopped(format!("interrupted; {made} pictures were made and are kept, no pack was written"));
-    if !is_whole {
-        return Err(stopped());
+    for row in rows.iter().filter(|row| row.entry.problem.is_none()) {
+        row.problem.iter().for_each(|problem| messages.warn_about(&row.entry.path, problem));
     }
+    let packed = if is_whole { write(arguments, &name, &entries, &setup, &read.shelf)? } else { None };
+    if let Some(packed) = &packed {
+        packed.warnings.iter().for_each(|warning| messages.warn(warning));
+    }
+    if arguments.json {
+        let rows: Vec<Value> = rows.iter().map(|row| row.json(&setup, &read.shelf)).collect();
+        print_out(&json_object(arguments, packed.as_ref(), &checked, rows, &messages).to_string())?;
+    }
+    let Some(Packed { materials, images, files, .. }) = packed else {
+        return Err(CliError::Stopped(format!("interrupted; {made} pictures were made and are kept, no pack was written")));
+    };
+    if !arguments.json {
+        let (out, counts) = (arguments.out.display(), counts(&checked));
+        print_out(&format!(
+            "{out}: packed; materials: {materials}, images: {images}, files: {files}, pictures made: {made}; check: {counts}"
+        ))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Writes the pack with a line that says how far it is. `None` if it was interrupted.
+fn write(
+    arguments: &PackArguments,
+    name: &str,
+    entries: &[Arc<Entry>],
+    setup: &Setup,
+    shelf: &Shelf,
+) -> Result<Option<Packed>, CliError> {
     let line = Mutex::new(ProgressLine::new());
     let tell = |what: &str, Progress { done, total }: Progress| {
         line.lock().unwrap_or_else(PoisonError::into_inner).show(|| format!("{what}: {done} of {total}"));
     };
-    let pack = Pack { name: &name, root: folder, entries: &entries, shelf: &read.shelf, setup: setup.digest(), threads };
+    let (root, threads) = (arguments.folder.as_path(), arguments.making.scene.threads());
+    let pack = Pack { name, root, entries, shelf, setup: setup.digest(), threads };
     let packed = pack.write(&arguments.out, &tell, &interrupt::is_interrupted);
     line.into_inner().unwrap_or_else(PoisonError::into_inner).clear();
-    let packed = packed.map_err(CliError::unusable)?.ok_or_else(stopped)?;
-    packed.warnings.iter().for_each(|warning| messages.warn(warning));
-    if arguments.json {
-        let rows: Vec<Value> = rows.iter().map(|row| row.json(&setup, &read.shelf)).collect();
-        let Packed { materials, images, files, .. } = packed;
-        print_out(
-            &json!({
-                "out": arguments.out.to_string_lossy(),
-                "is_packed": true,
-                "materials": materials,
-                "images": images,
-                "files": files,
-                "made": made,
-                "check": report::json(&checked),
-                "rows": rows,
-                "warnings": messages.warnings(),
-            })
-            .to_string(),
-        )?;
-    } else {
-        let Packed { materials, images, files, .. } = packed;
-        let counts = counts(&checked);
-        print_out(&format!(
-            "{}: packed; materials: {materials}, images: {images}, files: {files}, pictures made: {made}; check: {counts}",
-            arguments.out.display()
-        ))?;
-    }
-    Ok(Outcome::Done)
+    packed.map_err(CliError::unusable)
+}
+
+fn json_object(
+    arguments: &PackArguments,
+    packed: Option<&Packed>,
+    checked: &Checked,
+    rows: Vec<Value>,
+    messages: &Messages,
+) -> Value {
+    json!({
+        "out": arguments.out.to_string_lossy(),
+        "is_packed": packed.is_some(),
+        "materials": packed.map(|packed| packed.materials),
+        "images": packed.map(|packed| packed.images),
+        "files": packed.map(|packed| packed.files),
+        "made": rows.iter().filter(|row| !row["seconds"].is_null()).count(),
+        "check": report::json(checked),
+        "rows": rows,
+        "warnings": messages.warnings(),
+    })
 }
 
 /// Prints the errors that stand against packing.
 fn refused(arguments: &PackArguments, checked: &Checked, messages: &Messages) -> Result<Outcome, CliError> {
     let sentence = format!("not packed: {}; correct the errors, or --allow-errors packs all the same", counts(checked));
     if arguments.json {
-        let object = json!({
-            "out": arguments.out.to_string_lossy(),
-            "is_packed": false,
-            "check": report::json(checked),
-            "rows": [],
-            "warnings": messages.warnings(),
-        });
+        let object = json_object(arguments, None, checked, Vec::new(), messages);
         print_out(&object.to_string())?;
     } else {
         let errors = checked.rows.iter().filter(|row| row.severity == Severity::Error);
