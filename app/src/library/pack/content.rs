@@ -95,14 +95,17 @@ impl<'a> Content<'a> {
         let mut images = Vec::new();
         for property in properties {
             let Some(texture) = &mut material.slot_mut(property).texture else { continue };
-            let Some(source) = files::texture_path(&texture.path, Some(&self.root.join(group))) else { continue };
-            if texture.path.is_empty() || !source.is_file() {
+            let folder = self.root.join(group);
+            let Some(source) = files::texture_path(&texture.path, Some(&folder)) else { continue };
+            // What is no image may be anything of this user's.
+            let problem = if texture.path.is_empty() {
+                Some("it has no path".to_owned())
+            } else {
+                files::texture_problem(&texture.path, Some(&folder))
+            };
+            if let Some(problem) = problem {
                 let key = property.def().name;
-                self.warnings.push(format!(
-                    "{}: {key}: the image {} is not there and not in the pack",
-                    entry.path.display(),
-                    texture.path
-                ));
+                self.warnings.push(format!("{}: {key}: its image is not in the pack: {problem}", entry.path.display()));
                 continue;
             }
             let packed = self.add_image(&source)?;

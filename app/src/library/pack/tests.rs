@@ -191,10 +191,18 @@ fn a_pack_is_replaced_only_if_nothing_is_lost() {
 fn missing_images_are_told_and_a_change_on_the_way_ends_it() {
     let place = Place::new();
     fs::remove_file(place.path("library/woods/same.png")).unwrap();
+    fs::write(place.path("elsewhere/secret.txt"), "mine").unwrap();
+    place.write("secret.asm.ron", "S", "MIT", "{ \"texture\": { \"path\": \"../elsewhere/secret.txt\" } }");
     let packed = place.pack("out").unwrap().unwrap();
-    assert_eq!(packed.warnings, ["woods/d.asm.ron: roughness: the image same.png is not there and not in the pack"]);
+    let [no_image, missing] = packed.warnings.as_slice() else { panic!("{:?}", packed.warnings) };
+    assert!(missing.starts_with("woods/d.asm.ron: roughness: its image is not in the pack: expected an image"), "{missing}");
+    assert!(
+        no_image.starts_with("secret.asm.ron: roughness: its image") && no_image.ends_with("without the ending of one"),
+        "{no_image}"
+    );
+    assert!(!place.names("out").iter().any(|name| name.contains("secret.txt")));
     let check: Value = serde_json::from_str(&place.read("out/check.json")).unwrap();
-    assert_eq!(check["errors"], 1);
+    assert_eq!(check["errors"], 2);
     assert!(check.to_string().contains("\"materials/woods/d.asm.ron\""), "{check}");
 
     let mut entry = Entry::unusable(Path::new("plain.asm.ron"), String::new());
