@@ -4,6 +4,7 @@ mod actions;
 mod bars;
 mod documents;
 mod drops;
+mod handing_out;
 mod job;
 mod keeping;
 mod library;

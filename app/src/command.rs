@@ -77,6 +77,8 @@ commands! {
     LoadReference, "file.reference", File, false, "Load reference image…", "Show a photo beside the view, to look at and to pick colours from.", [];
     SavePng, "file.png", File, true, "Save picture as PNG…", "Display-referred sRGB: exposure and display transform are applied.", [NONE P, CTRL P];
     SaveExr, "file.exr", File, false, "Save picture as EXR…", "Linear Rec.709 radiance: neither exposure nor display transform is applied.", [CTRL_SHIFT P];
+    ContactSheet, "file.sheet", File, true, "Contact sheet…", "All materials of the open library on one page or in one picture.", [];
+    ExportPack, "file.pack", File, false, "Export pack…", "The open library as a folder to hand out: materials, images, contact sheet, licences, check.", [];
     Preferences, "file.preferences", File, true, "Preferences…", "Units, threads, default scene, autosave, mouse, theme and keys.", [CTRL Comma];
     Quit, "file.quit", File, true, "Quit", "Close the window; asks for each material with unsaved changes.", [CTRL Q];
 

@@ -30,6 +30,10 @@ pub enum Purpose {
     SavePng,
     /// Where to write the picture, linear.
     SaveExr,
+    /// Where to write a contact sheet of the library.
+    SaveSheet,
+    /// Where to make a pack of the library.
+    SavePack,
 }
 
 impl Purpose {
@@ -44,6 +48,8 @@ impl Purpose {
             Self::LoadTextureSet => "Choose the folder of a texture set".into(),
             Self::LoadReference => "Load reference image".into(),
             Self::SavePng | Self::SaveExr => "Save picture".into(),
+            Self::SaveSheet => "Contact sheet of the library".into(),
+            Self::SavePack => "Export pack: a folder that is not there yet".into(),
         }
     }
 
@@ -55,11 +61,13 @@ impl Purpose {
             Self::LoadTexture(_) | Self::LoadTextureSet | Self::LoadReference => ("Image", &["png", "jpg", "jpeg", "exr", "hdr"]),
             Self::SavePng => ("PNG", &["png"]),
             Self::SaveExr => ("OpenEXR", &["exr"]),
+            Self::SaveSheet => ("Page or picture", &["html", "png"]),
+            Self::SavePack => ("Folder", &["*"]),
         }
     }
 
     fn is_saving(self) -> bool {
-        matches!(self, Self::SaveMaterial | Self::SavePng | Self::SaveExr)
+        matches!(self, Self::SaveMaterial | Self::SavePng | Self::SaveExr | Self::SaveSheet | Self::SavePack)
     }
 }
 
@@ -118,7 +126,7 @@ impl Dialogs for SystemDialogs {
         if purpose.is_saving() {
             let future = dialog.save_file();
             std::thread::spawn(move || wait(pollster::block_on(future)));
-        } else if purpose == Purpose::LoadTextureSet {
+        } else if matches!(purpose, Purpose::LoadTextureSet | Purpose::OpenLibrary) {
             let future = dialog.pick_folder();
             std::thread::spawn(move || wait(pollster::block_on(future)));
         } else {

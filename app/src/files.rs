@@ -13,6 +13,7 @@ use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Ending of material files, without the first dot.
 pub const MATERIAL_EXTENSION: &str = "asm.ron";
@@ -141,7 +142,9 @@ pub fn save_atomic(path: &Path, bytes: &[u8]) -> Result<(), FilesError> {
     };
     let mut beside: OsString = OsString::from(".");
     beside.push(name);
-    beside.push(format!(".{}.tmp", std::process::id()));
+    // Two threads may write the same file.
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    beside.push(format!(".{}-{}.tmp", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
     let temporary = target.with_file_name(beside);
 
     let written = write_and_check(&temporary, bytes, path).and_then(|()| {

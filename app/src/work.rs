@@ -13,6 +13,8 @@ pub enum Ends {
     Costs,
     /// Making small pictures.
     SmallPictures,
+    /// A contact sheet or pack of the library.
+    Export,
 }
 
 /// One piece of work.

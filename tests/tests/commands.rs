@@ -119,6 +119,8 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
         Command::Save | Command::SaveAs => is_said(window, "saved, reread") && folder.join("chosen.asm.ron").exists(),
         Command::CloseTab => now.documents + 1 == before.documents,
         Command::SavePng | Command::SaveExr => is_said(window, "The picture was not written"),
+        // There is no library here; `library_panel.rs` has one.
+        Command::ContactSheet | Command::ExportPack => app.library().is_none(),
         Command::Preferences => has(window, Role::SpinButton, "Size of text, percent"),
         Command::Quit => asks(window, &ViewportCommand::Close),
         Command::Undo => now.step + 1 == before.step,
@@ -163,7 +165,15 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
 
 /// Whether it needs what this window has not.
 fn is_possible(command: Command) -> bool {
-    !matches!(command, Command::ToggleFinal | Command::ShowBoth | Command::ShowWipe | Command::ShowDifference)
+    !matches!(
+        command,
+        Command::ToggleFinal
+            | Command::ShowBoth
+            | Command::ShowWipe
+            | Command::ShowDifference
+            | Command::ContactSheet
+            | Command::ExportPack
+    )
 }
 
 /// Carries a command out in a window made for it, and sees what comes of it.

@@ -3,6 +3,8 @@
 use burnish::app::App;
 use burnish::command::Command;
 use burnish::dock::Pane;
+use burnish::library::LibraryPlaces;
+use burnish::library::shelf::Shelf;
 use burnish::panels::library::LibraryAction;
 use burnish::places::Places;
 use burnish_material::{Material, MaterialFile, Property, Value};
@@ -13,6 +15,7 @@ use egui::accesskit::Role;
 use egui::{Event, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -64,9 +67,14 @@ fn has_said(app: &App, holds: impl Fn(&str) -> bool) -> bool {
 
 /// A window with the folder open as library, everything read, and no pictures made.
 fn library(root: &Path, home: &Path) -> Window {
+    library_answering(root, home, Vec::new())
+}
+
+/// The same, whose dialogs answer with these paths in turn.
+fn library_answering(root: &Path, home: &Path, paths: Vec<PathBuf>) -> Window {
     let (root, part) = (root.to_path_buf(), |name: &str| Some(home.join(name)));
     let places = Places { config: part("config"), state: part("state"), cache: part("cache") };
-    let mut window = window_with(vec2(1280.0, 900.0), Vec::new(), move |app, ctx| {
+    let mut window = window_with(vec2(1280.0, 900.0), paths, move |app, ctx| {
         let mut app = app.keep_in(places.clone(), ctx);
         app.open_library(&root, ctx);
         app
@@ -219,4 +227,45 @@ fn a_query_that_means_nothing_says_so() {
     let ctx = window.ctx.clone();
     app_mut(&mut window).do_in_library(LibraryAction::Rescan, &ctx);
     until(&mut window, "the missing folder to be noticed", |app| has_said(app, |text| text.contains("expected a folder")));
+}
+
+/// Puts small pictures there as if they had been made.
+fn give_pictures(window: &mut Window, root: &Path, home: &Path) {
+    until(window, "the setup", |app| app.library().is_some_and(|library| library.setup().is_some()));
+    let cache = Some(home.join("cache"));
+    let folder = LibraryPlaces::of(root, &Places { cache, ..Places::default() }).pictures.expect("there is a cache");
+    let mut png = Cursor::new(Vec::new());
+    image::RgbImage::from_pixel(8, 8, image::Rgb([200, 40, 40])).write_to(&mut png, image::ImageFormat::Png).expect("it fits");
+    let library = app(window).library().expect("it is open");
+    let setup = library.setup().expect("it is there").digest();
+    let mut shelf = Shelf::open(&folder);
+    for entry in library.entries() {
+        shelf.put(entry.look, setup, png.get_ref()).expect("the cache can be written");
+    }
+}
+
+#[test]
+fn the_library_becomes_a_sheet_and_a_pack() {
+    let (folder, home, out) = (folder(), tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    let (sheet, pack) = (out.path().join("all"), out.path().join("pack"));
+    let answers = vec![sheet.clone(), folder.path().join("inside"), pack.clone(), pack.clone()];
+    let mut window = library_answering(folder.path(), home.path(), answers);
+    give_pictures(&mut window, folder.path(), home.path());
+    let ctx = window.ctx.clone();
+    app_mut(&mut window).carry_out(Command::ContactSheet, &ctx);
+    until(&mut window, "the sheet", |app| has_said(app, |text| text.contains("all.html: 5 materials")));
+    let page = fs::read_to_string(sheet.with_extension("html")).expect("it was written");
+    assert_eq!(page.matches("data:image/jpeg").count(), 5);
+    app_mut(&mut window).carry_out(Command::ExportPack, &ctx);
+    until(&mut window, "the refusal", |app| has_said(app, |text| text.contains("outside the library's folder")));
+    app_mut(&mut window).carry_out(Command::ExportPack, &ctx);
+    until(&mut window, "the pack", |app| has_said(app, |text| text.contains("materials 5, images 0, files 10")));
+    assert!(pack.join("materials/Gold.asm.ron").is_file() && pack.join("LICENCES.md").is_file());
+
+    // A value out of range is not handed out.
+    fs::write(path(folder.path(), "Velvet"), "{\"properties\": {\"roughness\": 1.5}}").expect("it can be written");
+    app_mut(&mut window).do_in_library(LibraryAction::Rescan, &ctx);
+    until(&mut window, "the library to be read", |app| app.library().is_some_and(|library| library.progress().is_none()));
+    app_mut(&mut window).carry_out(Command::ExportPack, &ctx);
+    until(&mut window, "the refusal", |app| has_said(app, |text| text.contains("the check finds errors (1); the first: ")));
 }

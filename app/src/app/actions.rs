@@ -46,6 +46,7 @@ impl App {
             }
             Command::FlipSides | Command::CompareSides => self.sides.stored().is_some(),
             Command::NextTab | Command::PreviousTab => self.tabs.count() > 1,
+            Command::ContactSheet | Command::ExportPack => self.library().is_some_and(|library| !library.entries().is_empty()),
             Command::NextBookmark => !self.editor.view.bookmarks.is_empty(),
             _ => true,
         }
@@ -134,6 +135,8 @@ impl App {
             Command::LoadReference => self.ask(Purpose::LoadReference, ctx),
             Command::SavePng => self.ask(Purpose::SavePng, ctx),
             Command::SaveExr => self.ask(Purpose::SaveExr, ctx),
+            Command::ContactSheet => self.ask(Purpose::SaveSheet, ctx),
+            Command::ExportPack => self.ask(Purpose::SavePack, ctx),
             Command::Preferences => self.pages.open(Page::Preferences),
             Command::Quit => self.close_window(ctx),
             Command::Undo => {

@@ -142,6 +142,7 @@ impl App {
             Purpose::SaveMaterial => own_name.unwrap_or_else(|| format!("{stem}.{}", files::MATERIAL_EXTENSION)),
             Purpose::SavePng => format!("{stem}.png"),
             Purpose::SaveExr => format!("{stem}.exr"),
+            Purpose::SaveSheet | Purpose::SavePack => self.export_name(purpose),
             _ => String::new(),
         };
         let folder = document.folder().map(Path::to_path_buf);
@@ -223,6 +224,7 @@ impl App {
             Purpose::LoadReference => self.loader.start(Job::Reference(path), ctx),
             Purpose::SavePng => self.write_picture(with_ending("png"), ctx),
             Purpose::SaveExr => self.write_picture(with_ending("exr"), ctx),
+            Purpose::SaveSheet | Purpose::SavePack => self.export_library(purpose, path, ctx),
         }
     }
 

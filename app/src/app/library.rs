@@ -6,6 +6,7 @@ use crate::dock::Pane;
 use crate::files;
 use crate::library::Library;
 use crate::library::edit::{self, BatchEdit, Planned};
+use crate::library::export::Export;
 use crate::loading::Job;
 use crate::own_files;
 use crate::pages::Page;
@@ -48,6 +49,8 @@ pub(super) struct LibraryWork {
     /// A file that is to be named anew, and the name.
     renamed: Option<(PathBuf, String)>,
     measured: MeasuredPage,
+    /// The contact sheet or pack that is being made.
+    pub(super) export: Option<Export>,
 }
 
 impl LibraryWork {
@@ -104,6 +107,7 @@ impl App {
             }
             library.take_problems().into_iter().for_each(|problem| self.messages.warning(problem));
         }
+        self.collect_export();
         let Some((step, receiver)) = &self.library_work.running else { return };
         let (step, result) = (*step, receiver.try_recv());
         match result {

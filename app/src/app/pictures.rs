@@ -223,6 +223,7 @@ impl App {
         if self.library_work.is_editing() {
             list.push(Work::new("Writing files of the library"));
         }
+        list.extend(self.export_work());
         if self.pictures_to_write > 0 {
             list.push(Work::new("Writing the picture"));
         }
@@ -253,6 +254,7 @@ impl App {
                 self.messages.info("Loading was ended.");
             }
             Ends::SmallPictures => self.small.cancel(),
+            Ends::Export => self.end_export(),
             Ends::Debug => self.debug.end(),
             Ends::Costs => self.costs.cancel(),
             Ends::FinalView => self.carry_out(Command::ShowPreview, ctx),

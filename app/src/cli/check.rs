@@ -5,11 +5,10 @@
 use super::progress_line::ProgressLine;
 use super::scene_options::SceneOptions;
 use super::{CliError, Outcome, interrupt, print_out};
-use crate::library::check::{Checked, Options, Row, check_files};
+use crate::library::check::{Checked, Options, Row, check_files, report};
 use crate::library::scan::Progress;
 use crate::library::walk::walk;
 use clap::Args;
-use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -34,7 +33,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Outcome, CliError> {
     let options = Options { threads: SceneOptions::default().threads(), ..Options::default() };
     let checked = with_progress("checking", |tell| check_files(&files, &options, tell, &interrupt::is_interrupted))?;
     if arguments.json {
-        print_out(&json_object(&checked).to_string())?;
+        print_out(&report::json(&checked).to_string())?;
     } else {
         let lines: String = checked.rows.iter().map(text_row).collect();
         print_out(&format!("{lines}{}", counts(&checked)))?;
@@ -59,31 +58,10 @@ pub(super) fn outcome(checked: &Checked, is_strict: bool) -> Outcome {
     if checked.errors > 0 || (is_strict && checked.warnings > 0) { Outcome::Findings } else { Outcome::Done }
 }
 
-/// Counts, rows and pairs.
-pub(super) fn json_object(checked: &Checked) -> Value {
-    let rows: Vec<Value> = checked.rows.iter().map(json_row).collect();
-    let pairs = checked.pairs.iter().map(|pair| {
-        json!({ "a": pair.a.to_string_lossy(), "b": pair.b.to_string_lossy(), "kind": pair.kind.word(), "distance": pair.distance })
-    });
-    let pairs: Vec<Value> = pairs.collect();
-    json!({ "files": checked.files, "errors": checked.errors, "warnings": checked.warnings, "rows": rows, "pairs": pairs })
-}
-
 /// `3 files, 1 error, 0 warnings`.
 pub(super) fn counts(checked: &Checked) -> String {
     let counts = [(checked.files, "file"), (checked.errors, "error"), (checked.warnings, "warning")];
     counts.map(|(n, word)| format!("{n} {word}{}", if n == 1 { "" } else { "s" })).join(", ")
-}
-
-fn json_row(row: &Row) -> Value {
-    json!({
-        "file": row.path.to_string_lossy(),
-        "line": row.line,
-        "severity": row.severity.word(),
-        "kind": row.kind.word(),
-        "key": row.key,
-        "message": row.message,
-    })
 }
 
 /// One line for people.

@@ -1,8 +1,11 @@
 //! `burnish library`: a folder of materials as a library: what is in it, small pictures of it, and whether it can be handed out.
 //!
 //! A file that cannot be used is a finding and does not keep the others from being looked at. What is known of a library is kept in the cache
-//! folder of the user, and with it small pictures unless `--out` names another folder.
+//! folder of the user, and with it small pictures unless an option names another folder.
 
+mod making;
+mod pack;
+mod sheet;
 mod thumbnails;
 
 use super::library_check::{self, LibraryCheckArguments};
@@ -37,9 +40,19 @@ enum Action {
     Index(IndexArguments),
     /// Makes small pictures of the materials in a folder and below
     #[command(mut_arg("size", |size| {
-        size.value_name("SIDE|WxH").value_parser(thumbnails::picture_size).help("Size of the pictures in pixels [default: 256]")
+        size.value_name("SIDE|WxH").value_parser(making::picture_size).help("Size of the pictures in pixels [default: 256]")
     }))]
     Thumbnails(Box<thumbnails::ThumbnailsArguments>),
+    /// Shows the materials in a folder and below on one sheet: a page that needs nothing beside itself, a picture, or both
+    #[command(mut_arg("size", |size| {
+        size.value_name("SIDE|WxH").value_parser(making::picture_size).help("Size of the pictures in pixels [default: 256]")
+    }))]
+    Sheet(Box<sheet::SheetArguments>),
+    /// Packs the materials in a folder and below to hand them out: with their images, a contact sheet, licences and the report of a check
+    #[command(mut_arg("size", |size| {
+        size.value_name("SIDE|WxH").value_parser(making::picture_size).help("Size of the pictures in pixels [default: 256]")
+    }))]
+    Pack(Box<pack::PackArguments>),
     /// Checks the materials in a folder and below before they are handed out, and compares them with an earlier release
     Check(LibraryCheckArguments),
 }
@@ -63,6 +76,8 @@ pub fn run(arguments: &LibraryArguments) -> Result<Outcome, CliError> {
     match &arguments.action {
         Action::Index(arguments) => index(arguments),
         Action::Thumbnails(arguments) => thumbnails::run(arguments),
+        Action::Sheet(arguments) => sheet::run(arguments),
+        Action::Pack(arguments) => pack::run(arguments),
         Action::Check(arguments) => library_check::run(arguments),
     }
 }
@@ -110,25 +125,45 @@ pub(super) fn read(folder: &Path, threads: usize, out: Option<&Path>, messages: 
     Ok(Read { scanned, places, shelf, seconds: start.elapsed().as_secs_f64() })
 }
 
+/// What `--search` asks for; everything without it.
+fn query_of(search: Option<&str>) -> Result<Query, CliError> {
+    let query = Query::parse(search.unwrap_or_default());
+    match query.problem() {
+        Some(problem) => Err(CliError::unusable(format!("--search: {problem}"))),
+        None => Ok(query),
+    }
+}
+
+impl Read {
+    /// Those entries that a query matches.
+    fn matching(&self, query: &Query, setup: Digest, messages: &mut Messages) -> Vec<Arc<Entry>> {
+        let (marks, problem) = self.places.marks.as_deref().map_or_else(Default::default, Marks::load);
+        problem.into_iter().for_each(|problem| messages.warn(problem));
+        let facts =
+            |entry: &Entry| Facts { state: self.shelf.state(entry, setup), is_favourite: marks.is_favourite(&entry.path) };
+        self.scanned.index.entries.iter().filter(|entry| query.matches(entry, || facts(entry))).cloned().collect()
+    }
+
+    /// The name of the library: that of its folder.
+    fn name(&self, folder: &Path) -> String {
+        let whole = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
+        whole.file_name().unwrap_or(whole.as_os_str()).to_string_lossy().into_owned()
+    }
+}
+
 fn index(arguments: &IndexArguments) -> Result<Outcome, CliError> {
     let mut messages = Messages::default();
-    let query = Query::parse(arguments.search.as_deref().unwrap_or_default());
-    if let Some(problem) = query.problem() {
-        return Err(CliError::unusable(format!("--search: {problem}")));
-    }
+    let query = query_of(arguments.search.as_deref())?;
     let read = read(&arguments.folder, SceneOptions::default().threads(), None, &mut messages)?;
     let setup = standard_setup()?;
-    let (marks, problem) = read.places.marks.as_deref().map_or_else(Default::default, Marks::load);
-    problem.into_iter().for_each(|problem| messages.warn(problem));
-
     let entries = &read.scanned.index.entries;
-    let facts = |entry: &Entry| Facts { state: read.shelf.state(entry, setup), is_favourite: marks.is_favourite(&entry.path) };
+    let state_of = |entry: &Entry| read.shelf.state(entry, setup);
     let start = Instant::now();
-    let found: Vec<&Arc<Entry>> = entries.iter().filter(|entry| query.matches(entry, || facts(entry))).collect();
+    let found = read.matching(&query, setup, &mut messages);
     let search_seconds = start.elapsed().as_secs_f64();
     let broken = entries.iter().filter(|entry| entry.problem.is_some()).count();
     if arguments.json {
-        let rows: Vec<Value> = found.iter().map(|entry| index_row(entry, facts(entry).state)).collect();
+        let rows: Vec<Value> = found.iter().map(|entry| index_row(entry, state_of(entry))).collect();
         print_out(
             &json!({
                 "files": entries.len(),
@@ -148,7 +183,7 @@ fn index(arguments: &IndexArguments) -> Result<Outcome, CliError> {
             let path = entry.path.display();
             lines += &match &entry.problem {
                 Some(problem) => format!("{path}: {problem}\n"),
-                None => format!("{path}: {} ({})\n", entry.name, facts(entry).state.word()),
+                None => format!("{path}: {} ({})\n", entry.name, state_of(entry).word()),
             };
         }
         let (files, read_files) = (entries.len(), read.scanned.read);

@@ -1,12 +1,12 @@
 //! `burnish library check`: whether a folder of materials can be handed out, and what became of it since an earlier release.
 
-use super::check::{counts, json_object, outcome, text_row, with_progress};
+use super::check::{counts, outcome, text_row, with_progress};
 use super::library::{Read, read, standard_setup};
 use super::scene_options::{SceneOptions, threads};
 use super::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::digest::Digest;
 use crate::library::check::against::{Against, Changed, LookChange, compare};
-use crate::library::check::{Checked, Kind, Options, Shelved, check_library};
+use crate::library::check::{Checked, Kind, Options, Shelved, check_library, report};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &LibraryCheckArguments) -> Result<Outcome, CliError
     };
     let rate = checked.files as f64 / seconds.max(1e-9);
     if arguments.json {
-        let mut object = json_object(&checked);
+        let mut object = report::json(&checked);
         object["seconds"] = seconds.into();
         object["read_seconds"] = new.seconds.into();
         object["files_per_second"] = rate.into();

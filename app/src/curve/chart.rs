@@ -1,6 +1,7 @@
 //! A curve as SVG: error against seconds, both on log axes.
 
 use super::Curve;
+use crate::html::escape;
 use std::fmt::Write;
 
 const WIDTH: f64 = 760.0;
@@ -160,9 +161,4 @@ fn description(curve: &Curve) -> String {
         ),
         _ => "No picture was finished.".to_owned(),
     }
-}
-
-/// Text for use between and within tags.
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,7 +1,8 @@
 //! Curves as JSON, as CSV and as a page that needs nothing beside itself.
 
-use super::chart::{escape, svg};
+use super::chart::svg;
 use super::{Curve, Row, Target, targets};
+use crate::html::{self, escape};
 use burnish_renderer::path::{Convergence, ErrorPoint};
 use serde_json::{Value, json};
 
@@ -126,14 +127,12 @@ pub fn csv(curves: &[Curve]) -> String {
 /// Curves as a page: per curve a chart, its slope and times, and all values as a table.
 pub fn html(title: &str, curves: &[Curve]) -> String {
     let sections: String = curves.iter().enumerate().map(|(i, curve)| section(curve, i)).collect();
-    let title = escape(title);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<p>relMSE is the mean over pixels and channels of \
-         (x − r)² / (r² + 0.01), r the reference; trimmed, it leaves out the worst 0.1 % of pixels. Seconds are rendering alone.</p>\n\
-         {sections}</body>\n</html>\n"
-    )
+    let body = format!(
+        "<h1>{}</h1>\n<p>relMSE is the mean over pixels and channels of (x − r)² / (r² + 0.01), r the reference; trimmed, it leaves out the worst \
+         0.1 % of pixels. Seconds are rendering alone.</p>\n{sections}",
+        escape(title)
+    );
+    html::page(title, STYLE, &body)
 }
 
 fn section(curve: &Curve, i: usize) -> String {

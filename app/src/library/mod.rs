@@ -6,14 +6,18 @@
 pub mod check;
 pub mod edit;
 pub mod entry;
+pub mod export;
 pub mod index;
+pub mod maker;
 pub mod marks;
+pub mod pack;
 pub mod pictures;
 pub mod query;
 mod queue;
 pub mod scan;
 mod scanner;
 pub mod setup;
+pub mod sheet;
 pub mod shelf;
 pub mod walk;
 
@@ -24,6 +28,7 @@ pub use shelf::State;
 use crate::digest::Digest;
 use crate::places::Places;
 use crate::thumbnails::Thumbnail;
+use export::{Export, Order, Product};
 use index::Index;
 use marks::Marks;
 use pictures::{Making, Pictures, Wake};
@@ -292,6 +297,20 @@ impl Library {
     /// How pictures are taken; `None` in the first moments.
     pub fn setup(&self) -> Option<&Arc<Setup>> {
         self.setup.as_ref()
+    }
+
+    /// Makes a contact sheet or a pack of what is known by now, on a thread of its own that renders on `threads` threads. `wake` is called
+    /// there when there is something to poll. `None` in the first moments.
+    pub fn export(&self, product: Product, threads: usize, wake: impl Fn() + Send + Sync + 'static) -> Option<Export> {
+        let order = Order {
+            root: self.root.clone(),
+            entries: self.entries.clone(),
+            pictures: self.places.pictures.clone(),
+            setup: self.setup.clone().filter(|_| self.progress.is_none())?,
+            threads,
+            product,
+        };
+        Some(Export::start(order, Arc::new(wake)))
     }
 
     /// Favourites and recent files.

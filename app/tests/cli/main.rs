@@ -8,8 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
+mod handing_out;
 mod library;
 mod measure;
+mod openjd;
 mod pictures;
 mod release;
 mod render;

@@ -1,17 +1,12 @@
 //! `burnish library thumbnails`: small pictures of the materials in a folder, in parts if that is wished, kept one by one.
 
+use super::making::{self, Row, SmallPictureOptions};
 use super::{Read, read};
-use crate::cli::material_argument::LoadedMaterial;
-use crate::cli::progress_line::ProgressLine;
-use crate::cli::render::{error_text, relmse, transform};
-use crate::cli::scene_options::{self, SceneOptions, positive};
-use crate::cli::{CliError, Messages, Outcome, interrupt, print_out};
+use crate::cli::{CliError, Messages, Outcome, print_out};
 use crate::library::entry::Entry;
-use crate::library::setup::{self, DEFAULT_RELMSE, DEFAULT_SECONDS, DEFAULT_SIDE, Frame, Made, Setup, Stage};
-use crate::library::shelf::{MAX_ORPHAN_BYTES, Shelf, State};
-use burnish_assets::{ENVIRONMENTS, SHAPES};
-use burnish_renderer::path::{Prepared, Progress, StopReason};
-use burnish_renderer::tonemap::{Display, DisplayTransform};
+use crate::library::setup::Setup;
+use crate::library::shelf::{MAX_ORPHAN_BYTES, State};
+use burnish_renderer::path::StopReason;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -29,175 +24,38 @@ pub struct ThumbnailsArguments {
     /// Makes part K of N, from 1: parts have no file in common, and all parts together are all files
     #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = shard)]
     shard: (u32, u32),
-    /// A picture is done when its estimated relMSE is below this; a percentage is its square root [default: 2%]
-    #[arg(long, value_name = "RELMSE", allow_hyphen_values = true, value_parser = relmse)]
-    error: Option<f64>,
-    /// A picture is also done after this many seconds; it is named then [default: 120]
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = positive)]
-    time_limit: Option<f64>,
     /// Folder for the pictures, named by what they show [default: the cache of this user]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// How radiance becomes colours
-    #[arg(long, value_name = "neutral|agx|aces|standard", default_value = "neutral", value_parser = transform)]
-    display_transform: DisplayTransform,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
-    /// What is drawn, and how large.
+    /// What the pictures show, and when they are done.
     #[command(flatten)]
-    scene: SceneOptions,
-}
-
-/// What became of one file.
-struct Row<'a> {
-    entry: &'a Entry,
-    before: State,
-    /// `None` if nothing was made.
-    made: Option<Made>,
-    problem: Option<String>,
+    pictures: SmallPictureOptions,
 }
 
 /// Makes the pictures and prints what became of each file.
 pub fn run(arguments: &ThumbnailsArguments) -> Result<Outcome, CliError> {
     let mut messages = Messages::default();
-    let setup = setup_of(arguments, &mut messages)?;
-    let threads = arguments.scene.threads();
-    let mut read = read(&arguments.folder, threads, arguments.out.as_deref(), &mut messages)?;
-    if arguments.out.is_none() && read.places.pictures.is_none() {
-        return Err(CliError::unusable("--out: expected a folder for the pictures, because this user has no cache folder"));
-    }
-    // Told before minutes of rendering.
-    read.shelf.probe(1).map_err(CliError::unusable)?;
-
+    let setup = arguments.pictures.setup(&mut messages)?;
+    let out = arguments.out.as_deref();
+    let mut read = read(&arguments.folder, arguments.pictures.scene.threads(), out, &mut messages)?;
+    making::refuse_no_place(&read, "--out", out)?;
     let (part, parts) = arguments.shard;
     let entries: Vec<Arc<Entry>> =
         read.scanned.index.entries.iter().filter(|entry| entry.look.part(parts) + 1 == part).cloned().collect();
-    let is_chosen =
-        |entry: &Entry, shelf: &Shelf| entry.problem.is_none() && arguments.only.contains(&shelf.state(entry, setup.digest()));
-    let mut left = entries.iter().filter(|entry| is_chosen(entry, &read.shelf)).count();
-    let mut maker = Maker {
-        arguments,
-        setup: &setup,
-        threads,
-        last: None,
-        line: ProgressLine::new(),
-        done: 0,
-        seconds: 0.0,
-        refused_bytes: None,
-    };
-    let mut rows: Vec<Row> = Vec::with_capacity(entries.len());
-    let mut is_whole = true;
-    for entry in &entries {
-        let before = read.shelf.state(entry, setup.digest());
-        let mut row = Row { entry, before, made: None, problem: entry.problem.clone() };
-        if is_chosen(entry, &read.shelf) {
-            match maker.make(entry, left, &mut read.shelf, &mut messages) {
-                Ok(Some(made)) => row.made = Some(made),
-                Ok(None) => is_whole = false,
-                Err(problem) => row.problem = Some(problem),
-            }
-            left -= 1;
-        }
-        if !is_whole {
-            break;
-        }
-        rows.push(row);
-    }
-    maker.line.clear();
-    if arguments.out.is_none() {
+    let (rows, is_whole) =
+        arguments.pictures.make(&arguments.folder, &entries, &arguments.only, &setup, &mut read.shelf, &mut messages);
+    if out.is_none() {
         read.shelf.clean(read.scanned.index.entries.iter().map(Arc::as_ref), MAX_ORPHAN_BYTES);
     }
     report(arguments, &setup, &read, &rows, is_whole, &messages)?;
     if !is_whole {
-        let made = rows.iter().filter(|row| row.made.is_some()).count();
+        let made = making::made(&rows);
         return Err(CliError::Stopped(format!("interrupted; {made} pictures were made and are kept")));
     }
     Ok(if rows.iter().any(|row| row.problem.is_some()) { Outcome::Findings } else { Outcome::Done })
-}
-
-/// Makes one picture after the other.
-struct Maker<'a> {
-    arguments: &'a ThumbnailsArguments,
-    setup: &'a Setup,
-    threads: usize,
-    last: Option<Prepared>,
-    line: ProgressLine,
-    done: usize,
-    seconds: f64,
-    /// Size of the last picture, if it could not be written.
-    refused_bytes: Option<usize>,
-}
-
-impl Maker<'_> {
-    /// Makes and keeps the picture of an entry, of which there are `left` with this one. `None` if the user has interrupted it.
-    fn make(&mut self, entry: &Entry, left: usize, shelf: &mut Shelf, messages: &mut Messages) -> Result<Option<Made>, String> {
-        if interrupt::is_interrupted() {
-            return Ok(None);
-        }
-        if let Some(bytes) = self.refused_bytes {
-            shelf.probe(bytes).map_err(|error| error.to_string())?;
-        }
-        let path = self.arguments.folder.join(&entry.path);
-        let (material, textures, missing) = setup::guarded(|| setup::read(&self.arguments.folder, entry))?;
-        missing.iter().for_each(|sentence| messages.warn_about(&path, sentence));
-        let scene = self.setup.scene_of(material, textures);
-        let limit = self.arguments.time_limit.unwrap_or(DEFAULT_SECONDS);
-        let (done, total, seconds, line) = (self.done, self.done + left, self.seconds, &mut self.line);
-        let (last, threads) = (&mut self.last, self.threads);
-        let mut go_on = |progress: &Progress<'_>| {
-            line.show(|| {
-                let error = progress.error.as_ref().map_or_else(String::new, |error| format!(", {}", error_text(error)));
-                let remaining = remaining(done, left, seconds, progress.seconds);
-                format!("{} of {total}: {}{error}{remaining}", done + 1, entry.path.display())
-            });
-            !interrupt::is_interrupted()
-        };
-        let made = setup::guarded(|| self.setup.render(&scene, last, limit, threads, &mut go_on))?;
-        let Some(made) = made else { return Ok(None) };
-        self.done += 1;
-        self.seconds += made.seconds;
-        let put = shelf.put(entry.look, self.setup.digest(), &made.png);
-        self.refused_bytes = put.is_err().then_some(made.png.len());
-        put.map_err(|error| error.to_string())?;
-        Ok(Some(made))
-    }
-}
-
-/// How long all pictures will take yet, if the others take as long as those that are done: `, about 5 min left`.
-fn remaining(done: usize, left: usize, seconds: f64, now: f64) -> String {
-    if done == 0 {
-        return String::new();
-    }
-    let mean = seconds / done as f64;
-    let seconds = (mean - now).max(0.0) + mean * left.saturating_sub(1) as f64;
-    match seconds {
-        ..90.0 => format!(", about {seconds:.0} s left"),
-        ..5400.0 => format!(", about {:.0} min left", seconds / 60.0),
-        _ => format!(", about {:.1} h left", seconds / 3600.0),
-    }
-}
-
-fn setup_of(arguments: &ThumbnailsArguments, messages: &mut Messages) -> Result<Setup, CliError> {
-    let options = &arguments.scene;
-    let loaded = options.load(None, Some(LoadedMaterial::default()), messages)?;
-    let name_of = |text: &Option<String>, mut known: Vec<&str>| match text {
-        _ if options.scene.is_some() && text.is_none() => None,
-        None => known.first().map(|name| (*name).to_owned()),
-        Some(text) => known.drain(..).find(|name| name.eq_ignore_ascii_case(text)).map(str::to_owned),
-    };
-    let stage = Stage {
-        scene: loaded.scene,
-        shape: name_of(&options.mesh, SHAPES.iter().map(|def| def.name).collect()),
-        environment: name_of(&options.environment, ENVIRONMENTS.iter().map(|def| def.name).collect()),
-        has_unit: options.scene.is_none() || options.unit_mm.is_some(),
-    };
-    let is_standard = options.scene.is_none() && options.size.is_none();
-    let (width, height) = if is_standard { (DEFAULT_SIDE, DEFAULT_SIDE) } else { (loaded.width, loaded.height) };
-    let display = Display { exposure_ev: options.exposure_ev(), transform: arguments.display_transform };
-    let frame = Frame { width, height, relmse: arguments.error.unwrap_or(DEFAULT_RELMSE), seed: options.seed, display };
-    let set = options.set.iter().map(|assignment| (assignment.property, assignment.value)).collect();
-    Ok(Setup::new(stage, frame, set))
 }
 
 fn report(
@@ -209,11 +67,11 @@ fn report(
     messages: &Messages,
 ) -> Result<(), CliError> {
     let is_limited = |row: &&Row| row.made.as_ref().is_some_and(|made| made.stop_reason == StopReason::Time);
-    let made = rows.iter().filter(|row| row.made.is_some()).count();
+    let made = making::made(rows);
     let failed = rows.iter().filter(|row| row.problem.is_some()).count();
     let limited: Vec<_> = rows.iter().filter(is_limited).map(|row| row.entry.path.to_string_lossy()).collect();
     if arguments.json {
-        let rows: Vec<Value> = rows.iter().map(|row| thumbnail_row(row, setup, &read.shelf)).collect();
+        let rows: Vec<Value> = rows.iter().map(|row| row.json(setup, &read.shelf)).collect();
         let (part, parts) = arguments.shard;
         return print_out(
             &json!({
@@ -259,24 +117,6 @@ fn report(
     ))
 }
 
-fn thumbnail_row(row: &Row<'_>, setup: &Setup, shelf: &Shelf) -> Value {
-    let state = shelf.state(row.entry, setup.digest());
-    let made = row.made.as_ref();
-    json!({
-        "path": row.entry.path.to_string_lossy(),
-        "hash": row.entry.content,
-        "look": row.entry.look,
-        "state": state.word(),
-        "state_before": row.before.word(),
-        "file": (state == State::Fresh).then(|| shelf.path(row.entry.look, setup.digest())),
-        "seconds": made.map(|made| made.seconds),
-        "spp": made.map(|made| made.spp),
-        "relmse_estimate": made.and_then(|made| made.relmse),
-        "stop_reason": made.map(|made| made.stop_reason.word()),
-        "problem": row.problem,
-    })
-}
-
 fn state(word: &str) -> Result<State, String> {
     State::from_word(word).ok_or_else(|| "expected missing, stale or fresh".to_owned())
 }
@@ -284,9 +124,4 @@ fn state(word: &str) -> Result<State, String> {
 fn shard(text: &str) -> Result<(u32, u32), String> {
     let read = text.split_once('/').and_then(|(k, n)| Some((k.trim().parse().ok()?, n.trim().parse().ok()?)));
     read.filter(|(k, n)| (1..=*n).contains(k)).ok_or_else(|| "expected K/N with K from 1 to N, such as 1/4".to_owned())
-}
-
-/// One side of a square, or both, for options.
-pub fn picture_size(text: &str) -> Result<(usize, usize), String> {
-    if text.contains(['x', 'X']) { scene_options::size(text) } else { scene_options::size(&format!("{text}x{text}")) }
 }

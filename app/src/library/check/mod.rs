@@ -8,6 +8,7 @@ mod doubts;
 mod file;
 mod look;
 mod pairs;
+pub mod report;
 mod threads;
 
 pub use look::Look;

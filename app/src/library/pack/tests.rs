@@ -1,0 +1,217 @@
+#![allow(clippy::unwrap_used)] // A helper that fails fails its test.
+
+use super::*;
+use serde_json::Value;
+use std::collections::BTreeSet;
+use tempfile::TempDir;
+
+/// A library with images inside, outside and twice, and one file that is none.
+struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        let place = Self { folder: tempfile::tempdir().unwrap() };
+        let image = |path: &str, level: u8| {
+            let path = place.path(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            image::GrayImage::from_pixel(2, 2, image::Luma([level])).save(path).unwrap();
+        };
+        image("library/metals/maps/a.png", 10);
+        image("library/woods/same.png", 10);
+        image("library/textures/out.png", 20);
+        image("elsewhere/out.png", 30);
+        let outside = place.path("elsewhere/out.png");
+        let texture = |path: &str| format!("{{ \"texture\": {{ \"path\": \"{path}\" }} }}");
+        place.write("metals/a.asm.ron", "A", "CC0-1.0", &texture("maps/./a.png"));
+        place.write("metals/b.asm.ron", "B *bold*", "", &texture(outside.to_str().unwrap()));
+        place.write("metals/c.asm.ron", "C", "CC0-1.0", &texture("builtin:wood-oak/roughness"));
+        place.write("woods/d.asm.ron", "D", "MIT", &texture("same.png"));
+        place.write("woods/e.asm.ron", "E", "MIT", &texture("../textures/out.png"));
+        place.write("plain.asm.ron", "P", "MIT", "0.5");
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, path: &str, name: &str, licence: &str, roughness: &str) {
+        let path = self.path("library").join(path);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        let text = format!(
+            "// Kept.\n{{\n    \"name\": \"{name}\",\n    \"provenance\": {{ \"source\": \"Somebody\", \"licence\": \"{licence}\" }},\n    \"properties\": {{ \
+             \"roughness\": {roughness} }},\n    \"sources\": {{ \"roughness\": {{ \"dataset\": \"data\", \"licence\": \"Other\" }} }},\n}}\n"
+        );
+        fs::write(path, text).unwrap();
+    }
+
+    fn pack(&self, target: &str) -> Result<Option<Packed>, PackError> {
+        let root = self.path("library");
+        let scan = Scan {
+            root: &root,
+            old: &Index::default(),
+            threads: 1,
+            has_picture: &|_| false,
+            is_cancelled: &|| false,
+            tell: &|_| {},
+        };
+        let entries = scan.run().unwrap().index.entries;
+        let shelf = Shelf::open(&self.path("pictures"));
+        let pack = Pack { name: "Test", root: &root, entries: &entries, shelf: &shelf, setup: Digest::default(), threads: 1 };
+        pack.write(&self.path(target), &|_, _| {}, &|| false)
+    }
+
+    fn read(&self, path: &str) -> String {
+        fs::read_to_string(self.path(path)).unwrap()
+    }
+
+    fn names(&self, folder: &str) -> BTreeSet<String> {
+        let root = self.path(folder);
+        place::files(&root).unwrap().iter().map(|path| super::super::sheet::slashed(path.strip_prefix(&root).unwrap())).collect()
+    }
+}
+
+#[test]
+fn a_pack_holds_all_that_belongs_to_it() {
+    let place = Place::new();
+    let packed = place.pack("out").unwrap().unwrap();
+    assert_eq!((packed.materials, packed.images, packed.warnings), (6, 3, vec![]));
+    let expected = [
+        "LICENCES.md",
+        "check.json",
+        "manifest.json",
+        "materials/metals/a.asm.ron",
+        "materials/metals/b.asm.ron",
+        "materials/metals/c.asm.ron",
+        "materials/metals/maps/a.png",
+        "materials/plain.asm.ron",
+        "materials/textures/out.png",
+        "materials/woods/d.asm.ron",
+        "materials/woods/e.asm.ron",
+        "sheet.html",
+        "sheet.png",
+    ];
+    let names = place.names("out");
+    let (outside, names): (BTreeSet<_>, BTreeSet<_>) =
+        names.into_iter().partition(|name| name.starts_with("materials/textures/out-"));
+    assert_eq!(names, expected.into_iter().map(str::to_owned).collect());
+    assert_eq!((outside.len(), packed.files), (1, 14), "two images of one name");
+
+    // Only what has to be is edited, and nothing else of the file.
+    for same in ["metals/a.asm.ron", "metals/c.asm.ron", "woods/e.asm.ron", "plain.asm.ron"] {
+        assert_eq!(place.read(&format!("out/materials/{same}")), place.read(&format!("library/{same}")), "{same}");
+    }
+    let twin = place.read("out/materials/woods/d.asm.ron");
+    assert_eq!(twin, place.read("library/woods/d.asm.ron").replace("same.png", "../metals/maps/a.png"));
+    // Every image is found from its material.
+    let entries = Index::default();
+    let scan = Scan {
+        root: &place.path("out/materials"),
+        old: &entries,
+        threads: 1,
+        has_picture: &|_| false,
+        is_cancelled: &|| false,
+        tell: &|_| {},
+    };
+    for entry in scan.run().unwrap().index.entries {
+        let folder = place.path("out/materials").join(&entry.path);
+        for texture in &entry.textures {
+            assert_eq!(crate::files::texture_problem(texture, folder.parent()), None);
+            assert!(!Path::new(texture).is_absolute());
+        }
+    }
+
+    let manifest: Value = serde_json::from_str(&place.read("out/manifest.json")).unwrap();
+    let files = manifest["files"].as_array().unwrap();
+    assert_eq!((files.len(), manifest["materials"].as_array().unwrap().len()), (13, 6));
+    for file in files {
+        let path = place.path("out").join(file["path"].as_str().unwrap());
+        assert_eq!(file["hash"], Digest::of_file(&path, &|| true).unwrap().unwrap().to_string());
+    }
+    let check: Value = serde_json::from_str(&place.read("out/check.json")).unwrap();
+    assert_eq!((&check["files"], &check["errors"]), (&6.into(), &0.into()), "{check}");
+    let licences = place.read("out/LICENCES.md");
+    let order = [
+        "## No licence stated (1)",
+        "**B \\*bold\\***",
+        "## CC0-1.0 (2)",
+        "## MIT (3)",
+        "Somebody",
+        "`roughness`: Other, data",
+        "images: `materials/metals/maps/a.png`",
+    ];
+    let places: Vec<Option<usize>> = order.iter().map(|text| licences.find(text)).collect();
+    assert!(places.iter().all(Option::is_some) && places[..4].is_sorted(), "{licences}");
+    for file in ["manifest.json", "check.json", "LICENCES.md", "sheet.html"] {
+        let text = place.read(&format!("out/{file}"));
+        assert!(!text.contains(place.folder.path().to_str().unwrap()) && !text.contains(".tmp"), "{file}");
+    }
+}
+
+#[test]
+fn a_pack_is_replaced_only_if_nothing_is_lost() {
+    let place = Place::new();
+    place.pack("out").unwrap();
+    fs::create_dir(place.path("empty")).unwrap();
+    place.pack("empty").unwrap();
+    for name in place.names("out") {
+        assert!(fs::read(place.path("out").join(&name)).unwrap() == fs::read(place.path("empty").join(&name)).unwrap(), "{name}");
+    }
+    fs::remove_file(place.path("library/plain.asm.ron")).unwrap();
+    place.write("broken.asm.ron", "", "", "{");
+    let packed = place.pack("out").unwrap().unwrap();
+    assert!(packed.materials == 5 && packed.warnings.len() == 1 && packed.warnings[0].contains("broken.asm.ron: left out: line"));
+    assert!(!place.path("out/materials/plain.asm.ron").exists());
+
+    let refused = |place: &Place, target: &str, expected: &str| {
+        let before = place.names("");
+        let error = place.pack(target).unwrap_err().to_string();
+        assert!(error.contains(expected) && error.contains(target), "{error}");
+        assert_eq!(place.names(""), before, "{target}");
+    };
+    refused(&place, "library/pack", "outside the library");
+    refused(&place, "elsewhere", "without its manifest.json");
+    refused(&place, "elsewhere/out.png", "found a file");
+    refused(&place, "none/pack", "in a folder that exists");
+    fs::write(place.path("out/mine.txt"), "mine").unwrap();
+    refused(&place, "out", "holds mine.txt, which is not of the older pack");
+    fs::remove_file(place.path("out/mine.txt")).unwrap();
+    fs::write(place.path("out/LICENCES.md"), "mine").unwrap();
+    refused(&place, "out", "LICENCES.md was changed since it was packed");
+    fs::write(place.path("out/manifest.json"), "{}").unwrap();
+    refused(&place, "out", "not of burnish-pack/1");
+    // Nothing is left of packs that were not finished.
+    let all = place.names("");
+    assert!(!all.iter().any(|name| name.contains(".tmp") || name.contains(".old")), "{all:?}");
+}
+
+#[test]
+fn missing_images_are_told_and_a_change_on_the_way_ends_it() {
+    let place = Place::new();
+    fs::remove_file(place.path("library/woods/same.png")).unwrap();
+    fs::write(place.path("elsewhere/secret.txt"), "mine").unwrap();
+    place.write("secret.asm.ron", "S", "MIT", "{ \"texture\": { \"path\": \"../elsewhere/secret.txt\" } }");
+    let packed = place.pack("out").unwrap().unwrap();
+    let [no_image, missing] = packed.warnings.as_slice() else { panic!("{:?}", packed.warnings) };
+    assert!(missing.starts_with("woods/d.asm.ron: roughness: its image is not in the pack: expected an image"), "{missing}");
+    assert!(
+        no_image.starts_with("secret.asm.ron: roughness: its image") && no_image.ends_with("without the ending of one"),
+        "{no_image}"
+    );
+    assert!(!place.names("out").iter().any(|name| name.contains("secret.txt")));
+    let check: Value = serde_json::from_str(&place.read("out/check.json")).unwrap();
+    assert_eq!(check["errors"], 2);
+    assert!(check.to_string().contains("\"materials/woods/d.asm.ron\""), "{check}");
+
+    let mut entry = Entry::unusable(Path::new("plain.asm.ron"), String::new());
+    entry.problem = None;
+    let entries = [Arc::new(entry)];
+    let (root, shelf) = (place.path("library"), Shelf::default());
+    let pack = Pack { name: "Test", root: &root, entries: &entries, shelf: &shelf, setup: Digest::default(), threads: 1 };
+    let error = pack.write(&place.path("late"), &|_, _| {}, &|| false).unwrap_err().to_string();
+    assert!(error.contains("plain.asm.ron: was changed while it was packed"), "{error}");
+    assert_eq!(pack.write(&place.path("late"), &|_, _| {}, &|| true).unwrap(), None);
+    assert!(!place.path("late").exists());
+}
