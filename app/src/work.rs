@@ -13,6 +13,12 @@ pub enum Ends {
     Costs,
     /// Making small pictures.
     SmallPictures,
+    /// Checking the library.
+    Check,
+    /// Comparing the library with an earlier release.
+    Release,
+    /// Drawing two materials and their difference.
+    PictureDiff,
 }
 
 /// One piece of work.

@@ -317,14 +317,12 @@ fn conflicts_are_told_and_decided() {
     };
     let base = of("Wax", 0.3, 0.5, None);
     let (a, b) = (of("Bee wax", 0.4, 0.5, None), of("Candle wax", 0.6, 0.5, None));
-    for (prefer, roughness, name, alias) in
-        [(Side::A, 0.4, "Bee wax", "alias:Candle wax"), (Side::B, 0.6, "Candle wax", "alias:Bee wax")]
-    {
+    for (prefer, roughness, name, alias) in [(Side::A, 0.4, "Bee wax", "Candle wax"), (Side::B, 0.6, "Candle wax", "Bee wax")] {
         let merged = merge(&base, &a, &b, prefer);
         let keys: Vec<_> = merged.conflicts.iter().map(|conflict| conflict.key.as_str()).collect();
         assert_eq!(keys, ["roughness"]);
         assert_eq!((merged.material.float(Property::roughness), merged.material.name.as_str()), (roughness, name));
-        assert_eq!(merged.material.tags, [alias]);
+        assert_eq!(merged.material.aliases, [alias]);
     }
     // A length means nothing without its unit: one version changed the unit, the other a length.
     let merged = merge(&base, &of("Wax", 0.3, 50.0, Some(1.0)), &of("Wax", 0.3, 0.6, None), Side::A);

@@ -220,6 +220,8 @@ impl App {
             let progress = Some(costs.lobes.len() as f32 / LOBES.len() as f32);
             list.push(Work { progress, ends: Some(Ends::Costs), ..Work::new("Measuring lobes") });
         }
+        list.extend(self.check_work());
+        list.extend(self.compare.work());
         if self.library_work.is_editing() {
             list.push(Work::new("Writing files of the library"));
         }
@@ -254,6 +256,9 @@ impl App {
             }
             Ends::SmallPictures => self.small.cancel(),
             Ends::Debug => self.debug.end(),
+            Ends::Check => self.end_check(),
+            Ends::Release => self.end_release(),
+            Ends::PictureDiff => self.compare.end(),
             Ends::Costs => self.costs.cancel(),
             Ends::FinalView => self.carry_out(Command::ShowPreview, ctx),
         }

@@ -5,11 +5,11 @@
 use super::progress_line::ProgressLine;
 use super::scene_options::SceneOptions;
 use super::{CliError, Outcome, interrupt, print_out};
-use crate::library::check::{Checked, Options, Row, check_files};
+use crate::library::check::report::{counts, json_object, text_row};
+use crate::library::check::{Checked, Options, check_files};
 use crate::library::scan::Progress;
 use crate::library::walk::walk;
 use clap::Args;
-use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -57,40 +57,6 @@ pub(super) fn with_progress<T>(what: &str, work: impl FnOnce(&(dyn Fn(Progress) 
 /// Exit code 1 from the first error; where it is strict, from the first warning.
 pub(super) fn outcome(checked: &Checked, is_strict: bool) -> Outcome {
     if checked.errors > 0 || (is_strict && checked.warnings > 0) { Outcome::Findings } else { Outcome::Done }
-}
-
-/// Counts, rows and pairs.
-pub(super) fn json_object(checked: &Checked) -> Value {
-    let rows: Vec<Value> = checked.rows.iter().map(json_row).collect();
-    let pairs = checked.pairs.iter().map(|pair| {
-        json!({ "a": pair.a.to_string_lossy(), "b": pair.b.to_string_lossy(), "kind": pair.kind.word(), "distance": pair.distance })
-    });
-    let pairs: Vec<Value> = pairs.collect();
-    json!({ "files": checked.files, "errors": checked.errors, "warnings": checked.warnings, "rows": rows, "pairs": pairs })
-}
-
-/// `3 files, 1 error, 0 warnings`.
-pub(super) fn counts(checked: &Checked) -> String {
-    let counts = [(checked.files, "file"), (checked.errors, "error"), (checked.warnings, "warning")];
-    counts.map(|(n, word)| format!("{n} {word}{}", if n == 1 { "" } else { "s" })).join(", ")
-}
-
-fn json_row(row: &Row) -> Value {
-    json!({
-        "file": row.path.to_string_lossy(),
-        "line": row.line,
-        "severity": row.severity.word(),
-        "kind": row.kind.word(),
-        "key": row.key,
-        "message": row.message,
-    })
-}
-
-/// One line for people.
-pub(super) fn text_row(row: &Row) -> String {
-    let line = row.line.map_or_else(String::new, |line| format!(":{line}"));
-    let key = if row.key.is_empty() { String::new() } else { format!("{}: ", row.key) };
-    format!("{}{line}: {}: {key}{}\n", row.path.display(), row.severity.word(), row.message)
 }
 
 /// All material files among the paths and below them, each once, in the order of their names.
