@@ -80,6 +80,12 @@ fn panels_and_menus() {
             check(&window, command.text());
         }
     }
+    for command in [Command::ToggleValidation, Command::ToggleDiff, Command::ToggleMerge] {
+        press(&mut window, command);
+        window.run_steps(3);
+        check(&window, command.text());
+        press(&mut window, command);
+    }
     app_mut(&mut window).carry_out(Command::ToggleMessages, &egui::Context::default());
     press(&mut window, Command::New);
     set_document(&mut window, |material| _ = material.set(Property::roughness, Value::Float(0.123)));

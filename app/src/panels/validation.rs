@@ -12,6 +12,9 @@ use std::sync::Arc;
 const SEVERITIES: [(Severity, &str, &str); 3] =
     [(Severity::Error, "error", "errors"), (Severity::Warning, "warning", "warnings"), (Severity::Note, "note", "notes")];
 
+/// Points across above which counts have words beside their marks, at the usual size of text.
+const WIDE: f32 = 560.0;
+
 /// What the panel asks of the application. Paths are whole.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ValidationAction {
@@ -95,13 +98,15 @@ impl ValidationPanel {
     /// Counts that filter, the search, and what can be done with the whole.
     fn head(&mut self, ui: &mut Ui, view: &ValidationView) -> Option<ValidationAction> {
         let mut action = None;
+        let is_wide = ui.available_width() > WIDE * theme::text_scale(ui);
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = egui::vec2(3.0, 3.0);
             for (at, (severity, one, many)) in SEVERITIES.into_iter().enumerate() {
                 let rows = view.checked.map_or(&[][..], |checked| &checked.rows);
                 let count = rows.iter().filter(|row| row.severity == severity && is_listed(row)).count();
                 let (mark, color) = mark(severity);
-                let text = RichText::new(format!("{mark} {count} {}", if count == 1 { one } else { many })).color(color);
+                let words = if is_wide { format!(" {}", if count == 1 { one } else { many }) } else { String::new() };
+                let text = RichText::new(format!("{mark} {count}{words}")).color(color);
                 let button = ui.add(Button::selectable(!self.hidden[at], text).small());
                 let button = button.on_hover_text(format!("Show or hide {many}"));
                 if button.accessible_name(format!("Show {many}, {count}")).clicked() {
@@ -109,7 +114,8 @@ impl ValidationPanel {
                 }
             }
             let pairs = view.checked.map_or(0, |checked| checked.pairs.len());
-            let text = format!("⧉ {pairs} {}", if pairs == 1 { "pair" } else { "pairs" });
+            let words = if is_wide { format!(" {}", if pairs == 1 { "pair" } else { "pairs" }) } else { String::new() };
+            let text = format!("⎘ {pairs}{words}");
             let button = ui.add(Button::selectable(!self.hides_pairs, text).small());
             let button = button.on_hover_text("Files with the same values, or that look the same within 0.3 %");
             if button.accessible_name(format!("Show pairs, {pairs}")).clicked() {
@@ -203,7 +209,9 @@ impl ValidationPanel {
                                 action = Some(ValidationAction::Show(path.clone(), None));
                             }
                         }
-                        Line::Row(number) => action = self.row_line(ui, number, &checked.rows[number], height).or(action.take()),
+                        Line::Row(number) => {
+                            action = self.row_line(ui, number, &checked.rows[number], view, height).or(action.take())
+                        }
                     }
                 }
             },
@@ -211,8 +219,16 @@ impl ValidationPanel {
         action
     }
 
-    fn row_line(&mut self, ui: &mut Ui, number: usize, row: &Row, height: f32) -> Option<ValidationAction> {
+    fn row_line(
+        &mut self,
+        ui: &mut Ui,
+        number: usize,
+        row: &Row,
+        view: &ValidationView,
+        height: f32,
+    ) -> Option<ValidationAction> {
         let (mark, color) = mark(row.severity);
+        let message = sentence(row, view.root);
         let is_selected = self.selected == Some(number);
         let mut job = egui::text::LayoutJob::default();
         let font = egui::TextStyle::Body.resolve(ui.style());
@@ -221,17 +237,17 @@ impl ValidationPanel {
         if !row.key.is_empty() {
             add(format!("{}  ", row.key), theme::now().strong);
         }
-        add(row.message.clone(), theme::now().text);
+        add(message.clone(), theme::now().text);
         let button = Button::selectable(is_selected, job).truncate().right_text("");
         let response = ui.add_sized([ui.available_width(), height], button);
-        let name = format!("{} in {}: {} {}", row.severity.word(), file_name(&row.path), row.key, row.message);
+        let name = format!("{} in {}: {} {}", row.severity.word(), file_name(&row.path), row.key, message);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, &name));
         let property = property_of(row);
         if response.double_clicked() {
             return Some(ValidationAction::Open(row.path.clone(), property));
         }
         let is_clicked = response.clicked();
-        response.on_hover_text(format!("{}\n\nTwo clicks open the file with the property in sight.", row.message));
+        response.on_hover_text(format!("{message}\n\nTwo clicks open the file with the property in sight."));
         is_clicked.then(|| {
             self.selected = Some(number);
             ValidationAction::Show(row.path.clone(), property)
@@ -243,7 +259,8 @@ impl ValidationPanel {
 fn details(ui: &mut Ui, row: &Row, view: &ValidationView) -> Option<ValidationAction> {
     let mut action = None;
     ui.horizontal(|ui| {
-        if ui.small_button("Open").on_hover_text("Open the file with the property in sight").clicked() {
+        let open = ui.small_button("Open").on_hover_text("Open the file with the property in sight");
+        if open.accessible_name(format!("Open {} at {}", file_name(&row.path), row.key)).clicked() {
             action = Some(ValidationAction::Open(row.path.clone(), property_of(row)));
         }
         let line = row.line.map_or_else(String::new, |line| format!(", line {line}"));
@@ -251,8 +268,9 @@ fn details(ui: &mut Ui, row: &Row, view: &ValidationView) -> Option<ValidationAc
         let text = format!("{}{line}{key}", short(&row.path, view.root));
         ui.add(Label::new(RichText::new(text).small().color(theme::now().weak)).truncate());
     });
-    ScrollArea::vertical().id_salt("details").max_height(64.0).show(ui, |ui| {
-        ui.add(Label::new(RichText::new(&row.message).color(theme::now().strong)).wrap());
+    let height = (0.35 * ui.available_height()).clamp(18.0, 64.0);
+    ScrollArea::vertical().id_salt("details").max_height(height).show(ui, |ui| {
+        ui.add(Label::new(RichText::new(sentence(row, view.root)).color(theme::now().strong)).wrap());
     });
     action
 }
@@ -265,11 +283,14 @@ fn pair_line(ui: &mut Ui, pair: &Pair, view: &ValidationView, height: f32) -> Op
         egui::Layout::right_to_left(egui::Align::Center),
         |ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
-            let [a, b] = [&pair.a, &pair.b].map(|path| short(path, view.root));
+            // A copy has the longer name mostly, and the other one is to stay.
+            let length = |path: &PathBuf| path.as_os_str().len();
+            let (first, second) = if length(&pair.b) < length(&pair.a) { (&pair.b, &pair.a) } else { (&pair.a, &pair.b) };
+            let [a, b] = [first, second].map(|path| short(path, view.root));
             let unite = ui.add_enabled(view.root.is_some(), Button::new("Merge").small());
             let tip = format!("{a} gets the names of {b} as other names, and {b} goes: one step that undo takes back");
             if unite.accessible_name(format!("Merge {a} and {b}")).on_hover_text(tip).clicked() {
-                action = Some(ValidationAction::Unite(pair.a.clone(), pair.b.clone()));
+                action = Some(ValidationAction::Unite(first.clone(), second.clone()));
             }
             let diff = ui.add(Button::new("Side by side").small());
             if diff
@@ -277,14 +298,14 @@ fn pair_line(ui: &mut Ui, pair: &Pair, view: &ValidationView, height: f32) -> Op
                 .on_hover_text("Values and pictures beside each other")
                 .clicked()
             {
-                action = Some(ValidationAction::Diff(pair.a.clone(), pair.b.clone()));
+                action = Some(ValidationAction::Diff(first.clone(), second.clone()));
             }
             let what = match pair.kind {
                 Kind::Value => "same values".to_owned(),
                 _ => format!("{:.2} % apart", 100.0 * pair.distance),
             };
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                let text = format!("⧉ {a} = {b}, {what}");
+                let text = format!("⎘ {a} = {b}, {what}");
                 ui.add(Label::new(RichText::new(&text).color(theme::now().accent)).truncate()).on_hover_text(text);
             });
         },
@@ -349,6 +370,14 @@ fn mark(severity: Severity) -> (&'static str, Color32) {
         Severity::Error => ("⊗", theme::now().error),
         Severity::Warning => ("⚠", theme::now().warning),
         Severity::Note => ("ℹ", theme::now().weak),
+    }
+}
+
+/// What was found, with paths from the library's folder.
+fn sentence(row: &Row, root: Option<&Path>) -> String {
+    match root {
+        Some(root) => row.message.replace(&format!("{}{}", root.display(), std::path::MAIN_SEPARATOR), ""),
+        None => row.message.clone(),
     }
 }
 
