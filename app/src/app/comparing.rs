@@ -24,7 +24,7 @@ const REST: Duration = Duration::from_millis(400);
 /// Columns and rows of a picture.
 const SIDE: usize = 256;
 /// Seconds after which a picture is done.
-const SECONDS: f64 = 15.0;
+const SECONDS: f64 = 8.0;
 /// Selected files of the library that are listed to choose from.
 const MAX_CARDS: usize = 12;
 
@@ -65,6 +65,8 @@ pub(super) struct CompareWork {
     drawn: Option<Drawn>,
     /// Why nothing is drawn.
     reason: Option<String>,
+    /// Whether the user wants it drawn in any case.
+    is_asked: bool,
 }
 
 impl Default for CompareWork {
@@ -79,6 +81,7 @@ impl Default for CompareWork {
             drawing: Background::default(),
             drawn: None,
             reason: None,
+            is_asked: false,
         }
     }
 }
@@ -94,6 +97,11 @@ impl CompareWork {
         if self.drawing.cancel() {
             self.reason = Some("Drawing was ended.".to_owned());
         }
+    }
+
+    /// Draws what was ended, or what need not be drawn.
+    fn draw_after_all(&mut self) {
+        (self.reason, self.is_asked) = (None, true);
     }
 
     /// Nobody looks: nothing is drawn, and later it begins anew.
@@ -129,7 +137,7 @@ impl App {
         };
         let Some(document) = document else { return Err("That document was closed.".to_owned()) };
         let (textures, path) = (document.textures.clone(), document.path().map(std::path::Path::to_path_buf));
-        let title = document.title();
+        let title = named(document);
         let live = match source {
             Source::Opened | Source::Saved => {
                 let is_saved = *source == Source::Saved;
@@ -150,7 +158,7 @@ impl App {
     /// What can be compared and merged.
     pub(super) fn source_choices(&self) -> Vec<(Source, String)> {
         let document = &self.editor.document;
-        let title = document.title();
+        let title = named(document);
         let mut choices = vec![(Source::Front, title.clone()), (Source::Opened, format!("{title}, as opened"))];
         if document.path().is_some() {
             choices.push((Source::Saved, format!("{title}, as saved")));
@@ -160,7 +168,7 @@ impl App {
         }
         let front = self.tabs.front_id();
         let others = self.tabs.documents(document).filter(|(id, _)| *id != front);
-        choices.extend(others.map(|(id, document)| (Source::Tab(id), document.title())));
+        choices.extend(others.map(|(id, document)| (Source::Tab(id), named(document))));
         choices.extend(self.selected_cards().into_iter().take(MAX_CARDS).map(|path| {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             (Source::File(path), name)
@@ -239,7 +247,7 @@ impl App {
                 }
             }
             DiffAction::EndPictures => self.compare.end(),
-            DiffAction::DrawPictures => (self.compare.reason, self.compare.shown) = (None, None),
+            DiffAction::DrawPictures => self.compare.draw_after_all(),
         }
     }
 
@@ -264,7 +272,16 @@ impl App {
         if self.compare.shown.as_ref().is_none_or(|known| !known.is_same(&shown)) {
             self.compare.drawing.cancel();
             (self.compare.drawn, self.compare.reason, self.compare.since) = (None, None, Instant::now());
+            self.compare.is_asked = false;
             self.compare.shown = Some(shown);
+        }
+        let is_same_folder = |sides: &[Arc<Sourced>; 2]| sides[0].folder() == sides[1].folder();
+        if self.compare.shown.as_ref().is_some_and(|shown| is_same_folder(&shown.sides))
+            && !self.compare.is_asked
+            && self.compare.changes.iter().all(|change| !change.is_visible)
+        {
+            self.compare.drawing.cancel();
+            self.compare.reason = Some("They look the same: nothing that differs can be seen.".to_owned());
         }
         if self.compare.drawn.is_some() || self.compare.reason.is_some() || self.compare.drawing.is_running() {
             return;
@@ -330,6 +347,15 @@ impl App {
     /// Makes two files one that has both names.
     pub(super) fn unite(&mut self, path: PathBuf, other: PathBuf, ctx: &Context) {
         self.edit_files_anew(move || edit::unite(&path, &other), ctx);
+    }
+}
+
+/// What to call a document: its name, with that of its file where it is another one.
+fn named(document: &Document) -> String {
+    let (title, file) = (document.title(), document.path().and_then(std::path::Path::file_name));
+    match file.map(|name| name.to_string_lossy().trim_end_matches(".asm.ron").to_owned()) {
+        Some(file) if !file.eq_ignore_ascii_case(&title) => format!("{title} ({file})"),
+        _ => title,
     }
 }
 

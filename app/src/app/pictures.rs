@@ -178,7 +178,7 @@ impl App {
         let preview = format!("Preview {width} × {height}{rays}{edit}");
         let graph = self.preview.frame_graph().map_or_else(String::new, |(times, problem)| status::frame_text(times, problem));
         let snapshot = self.final_view.as_ref().and_then(LiveFinal::current);
-        let (picture, details) = match (self.has_final(), snapshot) {
+        let (picture, details) = match (self.has_final() && self.is_view_seen(), snapshot) {
             (true, Some(snapshot)) => {
                 let details = status::final_details(snapshot, stop);
                 let shown = if self.editor.view.mode.has_preview() {
@@ -236,8 +236,12 @@ impl App {
             list.push(Work { progress, ends: Some(Ends::Debug), ..Work::new("Looking at the surface") });
         }
         let is_unfinished = |snapshot: &&std::sync::Arc<Snapshot>| snapshot.done.is_none();
-        if let Some(snapshot) =
-            self.final_view.as_ref().filter(|_| self.has_final()).and_then(LiveFinal::current).filter(is_unfinished)
+        if let Some(snapshot) = self
+            .final_view
+            .as_ref()
+            .filter(|_| self.has_final() && self.is_view_seen())
+            .and_then(LiveFinal::current)
+            .filter(is_unfinished)
         {
             let end = status::end(snapshot, &self.editor.view.stop).map(|(end, _)| end);
             let progress = end.map(|end| (snapshot.seconds / end.max(1e-3)).clamp(0.0, 1.0) as f32);

@@ -218,12 +218,18 @@ fn fixed(ui: &mut Ui, size: egui::Vec2, content: impl FnOnce(&mut Ui)) {
     });
 }
 
+/// A text or a list of texts of a file without its quotes, in one line; anything else as it is written.
+pub fn plain(text: &str) -> String {
+    let words = ron::from_str::<String>(text).or_else(|_| ron::from_str::<Vec<String>>(text).map(|words| words.join(", ")));
+    one_line(&words.unwrap_or_else(|_| text.to_owned()))
+}
+
 /// One side's value: colours with a swatch, defaults said to be such, texts in one line.
 fn value_cell(ui: &mut Ui, side: &Sourced, change: &Change, written: &Option<String>) {
     let def = change.property.map(|property| property.def()).filter(|def| def.name == change.key);
     let (text, is_default) = match (def, written) {
         (Some(def), written) => (value_text(side.material.value(def.id)), written.is_none()),
-        (None, Some(text)) => (one_line(text), false),
+        (None, Some(text)) => (plain(text), false),
         (None, None) => ("nothing".to_owned(), true),
     };
     if let Some(Value::Color(color)) = def.map(|def| side.material.value(def.id)) {

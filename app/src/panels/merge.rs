@@ -1,15 +1,14 @@
 //! Three versions of a material become one: what both changed differently is decided entry by entry.
 
-use super::diff::entry_label;
+use super::diff::{entry_label, plain};
 use super::source_picker::{self, Choices, Picked};
-use crate::cli::one_line;
 use crate::merging::Merging;
 use crate::sources::Source;
 use crate::theme;
 use crate::widgets::color_edit::display_color;
-use burnish_material::Value;
+use burnish_material::Property;
 use burnish_material::merge::{Conflict, Side};
-use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Sense, StrokeKind, Ui, vec2};
+use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, StrokeKind, Ui, vec2};
 use std::collections::BTreeMap;
 
 /// One of the three versions.
@@ -124,11 +123,19 @@ enum Line<'a> {
 }
 
 fn rows(ui: &mut Ui, merging: &Merging, decided: &mut BTreeMap<String, Side>) {
-    let property = |key: &str| burnish_material::Property::from_name(key);
+    let property = |key: &str| Property::from_name(key);
     let taken = merging.taken.iter().map(|key| Line::Note(format!("{}: from theirs", entry_label(key, property(key)))));
     let left = merging.left_out.iter().map(|change| Line::Note(format!("{}: the text of mine is kept", change.key)));
     let lines: Vec<Line> = merging.conflicts.iter().map(Line::Conflict).chain(taken).chain(left).collect();
     let height = ui.spacing().interact_size.y;
+    if !merging.conflicts.is_empty() {
+        let cell = (ui.available_width() - 4.0 * ui.spacing().item_spacing.x - ui.spacing().scroll.bar_width) / 4.0;
+        ui.horizontal(|ui| {
+            for title in ["Conflict", "Base", "Mine", "Theirs"] {
+                text_cell(ui, cell, ui.text_style_height(&egui::TextStyle::Small), title, theme::now().weak, "");
+            }
+        });
+    }
     ScrollArea::vertical().id_salt("conflicts").auto_shrink([false, false]).show_rows(ui, height, lines.len(), |ui, shown| {
         let gap = ui.spacing().item_spacing.x;
         let cell = (ui.available_width() - 4.0 * gap) / 4.0;
@@ -141,11 +148,11 @@ fn rows(ui: &mut Ui, merging: &Merging, decided: &mut BTreeMap<String, Side>) {
                     let mark = if is_open { "? " } else { "" };
                     let color = if is_open { theme::now().warning } else { theme::now().text };
                     text_cell(ui, cell, height, &format!("{mark}{label}"), color, &conflict.key);
-                    let base = conflict.base.as_deref().map_or_else(|| "—".to_owned(), one_line);
+                    let base = conflict.base.as_deref().map_or_else(|| "—".to_owned(), plain);
                     text_cell(ui, cell, height, &base, theme::now().weak, "What stood there before");
                     for (side, name, value) in [(Side::A, "mine", &conflict.a), (Side::B, "theirs", &conflict.b)] {
                         let is_chosen = decided.get(&conflict.key) == Some(&side);
-                        let text = value.as_deref().map_or_else(|| "nothing".to_owned(), one_line);
+                        let text = value.as_deref().map_or_else(|| "nothing".to_owned(), plain);
                         if choice(ui, [cell, height], &text, is_chosen, &format!("{label}: {name}, {text}")) {
                             decided.insert(conflict.key.clone(), side);
                         }
@@ -159,7 +166,10 @@ fn rows(ui: &mut Ui, merging: &Merging, decided: &mut BTreeMap<String, Side>) {
 fn text_cell(ui: &mut Ui, width: f32, height: f32, text: &str, color: egui::Color32, tip: &str) {
     ui.allocate_ui_with_layout(vec2(width, height), Layout::left_to_right(Align::Center), |ui| {
         ui.set_min_width(width);
-        ui.add(Label::new(RichText::new(text).color(color)).truncate()).on_hover_text(tip);
+        let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
+        if !tip.is_empty() {
+            label.on_hover_text(tip);
+        }
     });
 }
 
@@ -168,11 +178,10 @@ fn choice(ui: &mut Ui, size: [f32; 2], text: &str, is_chosen: bool, name: &str) 
     let mark = if is_chosen { "● " } else { "○ " };
     let swatch = color_in(text);
     let room = if swatch.is_some() { "     " } else { "" };
-    let button = Button::selectable(is_chosen, format!("{room}{mark}{text}")).truncate();
+    let button = Button::selectable(is_chosen, format!("{room}{mark}{text}")).truncate().right_text("");
     let response = ui.add_sized(size, button);
     if let Some(color) = swatch {
-        let (rect, _) =
-            (egui::Rect::from_min_size(response.rect.left_center() + vec2(4.0, -6.0), vec2(12.0, 12.0)), Sense::hover());
+        let rect = Rect::from_min_size(response.rect.left_center() + vec2(4.0, -6.0), vec2(12.0, 12.0));
         ui.painter().rect(rect, 2, display_color(color), (1.0, theme::now().line), StrokeKind::Inside);
     }
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, is_chosen, name));
@@ -182,8 +191,5 @@ fn choice(ui: &mut Ui, size: [f32; 2], text: &str, is_chosen: bool, name: &str) 
 /// The colour that a text of a file means.
 fn color_in(text: &str) -> Option<[f64; 3]> {
     let (r, g, b): (f64, f64, f64) = ron::from_str(text).ok()?;
-    match Value::Color([r, g, b]) {
-        Value::Color(color) if color.iter().all(|x| x.is_finite()) => Some(color),
-        _ => None,
-    }
+    [r, g, b].iter().all(|x| x.is_finite()).then_some([r, g, b])
 }

@@ -115,7 +115,7 @@ impl ValidationPanel {
             }
             let pairs = view.checked.map_or(0, |checked| checked.pairs.len());
             let words = if is_wide { format!(" {}", if pairs == 1 { "pair" } else { "pairs" }) } else { String::new() };
-            let text = format!("⎘ {pairs}{words}");
+            let text = format!("🗐 {pairs}{words}");
             let button = ui.add(Button::selectable(!self.hides_pairs, text).small());
             let button = button.on_hover_text("Files with the same values, or that look the same within 0.3 %");
             if button.accessible_name(format!("Show pairs, {pairs}")).clicked() {
@@ -305,7 +305,7 @@ fn pair_line(ui: &mut Ui, pair: &Pair, view: &ValidationView, height: f32) -> Op
                 _ => format!("{:.2} % apart", 100.0 * pair.distance),
             };
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                let text = format!("⎘ {a} = {b}, {what}");
+                let text = format!("🗐 {a} = {b}, {what}");
                 ui.add(Label::new(RichText::new(&text).color(theme::now().accent)).truncate()).on_hover_text(text);
             });
         },
