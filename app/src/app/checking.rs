@@ -317,6 +317,7 @@ impl App {
         let release = &mut self.check.release;
         match action {
             ReleaseAction::Findings => release.is_shown = false,
+            ReleaseAction::Folder(folder) => self.set_release(folder),
             ReleaseAction::Choose => self.ask(Purpose::CompareRelease, ctx),
             ReleaseAction::Again => release.asked = None,
             ReleaseAction::End => self.end_release(),

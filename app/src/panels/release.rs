@@ -4,7 +4,7 @@ use crate::library::check::against::{Against, Changed, LookChange};
 use crate::library::check::report::{change_words, sums};
 use crate::theme;
 use crate::widgets::search_field::search_field;
-use egui::{Button, Label, RichText, Role, ScrollArea, Ui, WidgetInfo};
+use egui::{Align, Button, Label, Layout, RichText, Role, ScrollArea, TextEdit, Ui, WidgetInfo};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,6 +15,8 @@ pub enum ReleaseAction {
     Findings,
     /// Choose the folder of the release.
     Choose,
+    /// Compare with the release in this folder.
+    Folder(PathBuf),
     /// Compare again.
     Again,
     /// End comparing.
@@ -49,6 +51,11 @@ pub struct ReleaseView<'a> {
 #[derive(Default)]
 pub struct ReleasePanel {
     search: String,
+    /// What is typed as the folder; `None` where it is the one that is compared with.
+    typed: Option<String>,
+    lines: Vec<Line>,
+    /// What the lines are of, and what was searched for.
+    lines_for: Option<(Arc<Against>, String)>,
 }
 
 /// A line of the list: its text, its path, and whether both versions can be compared.
@@ -62,7 +69,7 @@ struct Line {
 impl ReleasePanel {
     /// Shows the panel.
     pub fn show(&mut self, ui: &mut Ui, view: &ReleaseView) -> Option<ReleaseAction> {
-        let mut action = None;
+        let mut action = self.folder(ui, view);
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = egui::vec2(3.0, 3.0);
             let mut button = |ui: &mut Ui, text: &str, can: bool, what: ReleaseAction| {
@@ -70,11 +77,9 @@ impl ReleasePanel {
                     action = Some(what);
                 }
             };
-            button(ui, "◀ Findings", true, ReleaseAction::Findings);
-            button(ui, "Choose release…", true, ReleaseAction::Choose);
-            button(ui, "Compare again", view.folder.is_some(), ReleaseAction::Again);
             button(ui, "Save notes…", view.against.is_some(), ReleaseAction::Save);
             button(ui, "Copy notes", view.against.is_some(), ReleaseAction::Copy);
+            button(ui, "Again", view.folder.is_some(), ReleaseAction::Again);
             let mut renders = view.renders_looks;
             let look = ui.checkbox(&mut renders, "Render looks");
             look.on_hover_text("Renders both versions of what has changed; without it, fresh small pictures are compared");
@@ -88,21 +93,60 @@ impl ReleasePanel {
                 }
             }
         });
-        let name = view.folder.map(|folder| folder.display().to_string());
-        let text = match (&name, view.against, view.note) {
-            (_, _, Some(note)) => note.to_owned(),
-            (None, ..) => "Choose the folder of an earlier release of this library.".to_owned(),
-            (Some(name), None, None) => format!("Comparing with {name}…"),
-            (Some(name), Some(against), None) => format!("Since {name}: {}", sums(against)),
+        let (text, all) = match (view.folder, view.against, view.note) {
+            (_, _, Some(note)) => (note.to_owned(), note.to_owned()),
+            (None, ..) => ("Type or choose the folder of an earlier release of this library.".to_owned(), String::new()),
+            (Some(_), None, None) => ("Comparing…".to_owned(), String::new()),
+            (Some(_), Some(against), None) => (short_sums(against), sums(against)),
         };
-        ui.add(Label::new(RichText::new(text).small().color(theme::now().weak)).wrap());
+        let label = ui.add(Label::new(RichText::new(text).small().color(theme::now().text)).truncate());
+        if !all.is_empty() {
+            label.on_hover_text(all);
+        }
         let Some(against) = view.against else { return action };
         search_field(ui, &mut self.search, "Search changes", "words of file, key or change: new, gone, value, look");
-        self.list(ui, against).or(action)
+        self.filter(against);
+        self.list(ui).or(action)
     }
 
-    fn list(&self, ui: &mut Ui, against: &Against) -> Option<ReleaseAction> {
+    /// The folder of the release, to be typed or chosen.
+    fn folder(&mut self, ui: &mut Ui, view: &ReleaseView) -> Option<ReleaseAction> {
         let mut action = None;
+        let name = view.folder.map(|folder| folder.display().to_string());
+        let mut typed = self.typed.clone().or_else(|| name.clone()).unwrap_or_default();
+        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            if ui.button("Choose…").accessible_name("Choose the folder of the release").clicked() {
+                action = Some(ReleaseAction::Choose);
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                if ui.button("◀").accessible_name("Back to the findings").on_hover_text("Back to the findings").clicked() {
+                    action = Some(ReleaseAction::Findings);
+                }
+                let field =
+                    TextEdit::singleline(&mut typed).hint_text("folder of an earlier release").desired_width(f32::INFINITY);
+                let field = ui.add(field).accessible_name("Folder of the release");
+                if field.changed() {
+                    self.typed = Some(typed.clone());
+                }
+                if field.lost_focus() {
+                    let typed = self.typed.take().filter(|text| !text.trim().is_empty() && Some(text) != name.as_ref());
+                    if let Some(typed) = typed.filter(|_| ui.input(|i| i.key_pressed(egui::Key::Enter))) {
+                        action = Some(ReleaseAction::Folder(PathBuf::from(typed.trim())));
+                    }
+                }
+            });
+        });
+        action
+    }
+
+    /// Finds the lines to show, where something has changed.
+    fn filter(&mut self, against: &Arc<Against>) {
+        let is_same = |(known, search): &(Arc<Against>, String)| Arc::ptr_eq(known, against) && *search == self.search;
+        if self.lines_for.as_ref().is_some_and(is_same) {
+            return;
+        }
         let search = self.search.to_lowercase();
         let plain = |mark: &'static str, word: &str, path: &PathBuf| Line {
             mark,
@@ -123,7 +167,12 @@ impl ReleasePanel {
             let text = format!("{} {}", line.path.display(), line.words).to_lowercase();
             search.split_whitespace().all(|word| text.contains(word))
         };
-        let lines: Vec<Line> = lines.filter(holds).collect();
+        self.lines = lines.filter(holds).collect();
+        self.lines_for = Some((against.clone(), self.search.clone()));
+    }
+
+    fn list(&self, ui: &mut Ui) -> Option<ReleaseAction> {
+        let (mut action, lines) = (None, &self.lines);
         let height = ui.spacing().interact_size.y;
         ui.spacing_mut().item_spacing.y = 1.0;
         ScrollArea::vertical().id_salt("changes").auto_shrink([false, false]).show_rows(ui, height, lines.len(), |ui, shown| {
@@ -141,6 +190,22 @@ impl ReleasePanel {
         });
         action
     }
+}
+
+/// The counts in few words.
+fn short_sums(against: &Against) -> String {
+    let count = |is: &dyn Fn(&Changed) -> bool| against.changed.iter().filter(|changed| is(changed)).count();
+    let unknown = match count(&|changed| changed.look == LookChange::Unknown) {
+        0 => String::new(),
+        n => format!(" ({n} not known)"),
+    };
+    format!(
+        "{} new, {} gone, {} changed by value, {} by look{unknown}",
+        against.added.len(),
+        against.removed.len(),
+        count(&|changed| changed.is_by_value),
+        count(&|changed| matches!(changed.look, LookChange::Changed(_)))
+    )
 }
 
 /// What changed in a file, with words to search by.
