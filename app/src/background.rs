@@ -170,7 +170,12 @@ mod tests {
         assert!(told.remaining.is_some_and(|seconds| seconds > 0.0) && work.poll().is_none());
         drop(held);
         assert_eq!(wait(&mut work), Ok(4));
-        work.start("Nothing", &ctx, |control| while !control.is_cancelled() {});
+        work.start("Nothing", &ctx, |control| {
+            while !control.is_cancelled() {
+                std::thread::yield_now();
+            }
+            0
+        });
         assert!(work.cancel() && !work.is_running());
         work.start("Failing", &ctx, |_| panic!("on purpose"));
         assert!(wait(&mut work).unwrap_err().starts_with("Failing: "));

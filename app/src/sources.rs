@@ -5,7 +5,7 @@ use crate::files::{self, OpenedMaterial};
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::scene::TextureSet;
 use egui::Context;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -105,6 +105,8 @@ type Opened = Result<Arc<Sourced>, String>;
 pub struct Sources {
     live: HashMap<Source, (Live, Arc<Sourced>)>,
     files: HashMap<PathBuf, Opened>,
+    /// Files that may hold something else by now.
+    outdated: HashSet<PathBuf>,
     reading: HashMap<PathBuf, Background<Result<OpenedMaterial, String>>>,
 }
 
@@ -121,10 +123,11 @@ impl Sources {
         Some(sourced)
     }
 
-    /// What a file holds; `None` while it is being read, which begins when it is asked for first.
+    /// What a file holds, or held before it was read again; `None` while it is read for the first time.
     pub fn file(&mut self, path: &Path, ctx: &Context) -> Option<Opened> {
-        if let Some(known) = self.files.get(path) {
-            return Some(known.clone());
+        let known = self.files.get(path);
+        if known.is_some() && !self.outdated.contains(path) {
+            return known.cloned();
         }
         let reading = self.reading.entry(path.to_path_buf()).or_default();
         if !reading.is_running() {
@@ -132,7 +135,8 @@ impl Sources {
             let name = format!("Reading {}", path.display());
             reading.start(name, ctx, move |_| files::open_material(&path).map_err(|error| error.to_string()));
         }
-        let opened = reading.poll()?.and_then(|opened| opened).map(|opened| {
+        let Some(read) = reading.poll() else { return known.cloned() };
+        let opened = read.and_then(|opened| opened).map(|opened| {
             let material = opened.file.material();
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let title = if material.name.trim().is_empty() { name.into_owned() } else { material.name.clone() };
@@ -141,13 +145,21 @@ impl Sources {
             Arc::new(Sourced { title, material, file: Arc::new(opened.file), textures: opened.textures, path })
         });
         self.reading.remove(path);
+        self.outdated.remove(path);
+        if let (Some(Ok(known)), Ok(now)) = (self.files.get(path), &opened)
+            && known.file.text() == now.file.text()
+            && known.textures.is_empty()
+            && now.textures.is_empty()
+        {
+            return Some(Ok(known.clone()));
+        }
         self.files.insert(path.to_path_buf(), opened.clone());
         Some(opened)
     }
 
     /// Files may have changed: they are read again when they are asked for.
     pub fn forget_files(&mut self) {
-        self.files.clear();
+        self.outdated.extend(self.files.keys().cloned());
         self.reading.clear();
     }
 }

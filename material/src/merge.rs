@@ -157,10 +157,8 @@ impl Merger<'_> {
             self.taken.push("name".to_owned());
         }
         self.material.name.clone_from(name);
-        if let Some(other) = other.filter(|other| !other.is_empty()) {
-            if !self.material.aliases.contains(other) {
-                self.material.aliases.push(other.clone());
-            }
+        if let Some(other) = other.filter(|other| !other.is_empty() && !self.material.aliases.contains(other)) {
+            self.material.aliases.push(other.clone());
         }
         if self.is_from_b("notes", None, pick(&base.notes, &a.notes, &b.notes, same, same), |m| diff::text(&m.notes)) {
             self.material.notes.clone_from(&b.notes);

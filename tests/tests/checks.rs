@@ -6,7 +6,7 @@ use burnish::library::check::{Checked, Kind, Options, Row, Shelved, check_files,
 use burnish::library::index::Index;
 use burnish::library::scan::Scan;
 use burnish::library::shelf::Shelf;
-use burnish_material::diff::{changes, file_changes};
+use burnish_material::diff::{changes, file_changes, take};
 use burnish_material::merge::{Side, merge, merge_files};
 use burnish_material::{Material, MaterialFile, PROPERTIES, Property, Severity, TextureRef, Value};
 use proptest::prelude::*;
@@ -380,6 +380,18 @@ fn material() -> impl Strategy<Value = Material> {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn taking_every_entry_over_leaves_no_difference(a in material(), b in material(), alias in "[a-z]{0,3}") {
+        let (mut to, mut from) = (a, b);
+        from.aliases.push(alias);
+        for change in changes(&to.clone(), &from) {
+            prop_assert!(take(&mut to, &from, &change.key), "{}", change.key);
+        }
+        let found = changes(&to, &from);
+        prop_assert!(found.is_empty(), "{found:?}");
+        prop_assert!(!take(&mut to, &from, "velvet"));
+    }
 
     #[test]
     fn what_one_version_changed_is_taken(base in material(), a in material(), b in material()) {

@@ -257,7 +257,9 @@ impl App {
             None => self.editor.document.title(),
         };
         let against = self.check.release.against.as_ref().and(self.check.release.folder.as_deref());
-        let command = root.as_ref().map(|root| command_line(root, &self.check.options, against));
+        let renders_looks = self.check.options.renders_looks || (against.is_some() && self.check.release.renders_looks);
+        let options = Options { renders_looks, ..self.check.options.clone() };
+        let command = root.as_ref().map(|root| command_line(root, &options, against));
         let view = ValidationView {
             checked: self.check.checked.as_ref(),
             subject: &subject,

@@ -181,7 +181,12 @@ impl ValidationPanel {
         let mut action = None;
         if self.lines.is_empty() {
             let is_clean = checked.rows.iter().all(|row| !is_listed(row));
-            let text = if is_clean { "✔ Nothing was found." } else { "Nothing matches." };
+            let text = match is_clean {
+                _ if checked.files == 0 => "There is no material in this folder.",
+                true => "✔ Nothing was found.",
+                false => "Nothing matches.",
+            };
+            let is_clean = is_clean && checked.files > 0;
             ui.label(RichText::new(text).color(if is_clean { theme::now().good } else { theme::now().weak }));
         }
         let height = ui.spacing().interact_size.y;
