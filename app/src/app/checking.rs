@@ -309,6 +309,11 @@ impl App {
         }
     }
 
+    /// Whether a file belongs to the release that the library is compared with.
+    pub(super) fn is_released(&self, path: &Path) -> bool {
+        self.check.release.folder.as_ref().is_some_and(|folder| path.starts_with(folder))
+    }
+
     /// Compares with the release in a folder from now on.
     pub(super) fn set_release(&mut self, folder: PathBuf) {
         let release = &mut self.check.release;

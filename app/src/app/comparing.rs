@@ -15,7 +15,7 @@ use burnish_material::diff::{Change, file_changes, take};
 use burnish_renderer::scene::{Camera, Scene};
 use burnish_renderer::tonemap::Display;
 use egui::{ColorImage, Context, TextureOptions, Ui};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -136,7 +136,7 @@ impl App {
             _ => Some(&self.editor.document),
         };
         let Some(document) = document else { return Err("That document was closed.".to_owned()) };
-        let (textures, path) = (document.textures.clone(), document.path().map(std::path::Path::to_path_buf));
+        let (textures, path) = (document.textures.clone(), document.path().map(Path::to_path_buf));
         let title = named(document);
         let live = match source {
             Source::Opened | Source::Saved => {
@@ -208,7 +208,17 @@ impl App {
             self.compare.forget();
         }
         let choices = self.source_choices();
-        let is_changeable = |source: &Source| matches!(source, Source::Front | Source::Tab(_) | Source::File(_));
+        let is_in_library = |path: &Path| self.library().is_some_and(|library| path.starts_with(library.root()));
+        let is_changeable = |source: &Source| match source {
+            Source::Front | Source::Tab(_) => true,
+            // What was released stays as it is.
+            Source::File(path) => is_in_library(path) || !self.is_released(path),
+            Source::Opened | Source::Saved | Source::Side => false,
+        };
+        let can_unite = match &pair {
+            [Source::File(a), Source::File(b)] => a != b && is_in_library(a) && is_in_library(b),
+            _ => false,
+        };
         let pictures = match (&self.compare.drawn, self.compare.drawing.share(), &self.compare.reason) {
             (Some(drawn), ..) => Pictures::Drawn(drawn),
             (None, Some(share), _) => Pictures::Drawing(share),
@@ -222,7 +232,7 @@ impl App {
             sides: [side(0), side(1)],
             changes: &self.compare.changes,
             can_take: [0, 1].map(|number| is_changeable(&pair[number]) && sides.iter().all(Result::is_ok)),
-            can_unite: matches!((&pair[0], &pair[1]), (Source::File(a), Source::File(b)) if a != b),
+            can_unite,
             pictures,
         };
         let Some(action) = diff::show(ui, &view) else { return };
@@ -352,7 +362,7 @@ impl App {
 
 /// What to call a document: its name, with that of its file where it is another one.
 fn named(document: &Document) -> String {
-    let (title, file) = (document.title(), document.path().and_then(std::path::Path::file_name));
+    let (title, file) = (document.title(), document.path().and_then(Path::file_name));
     match file.map(|name| name.to_string_lossy().trim_end_matches(".asm.ron").to_owned()) {
         Some(file) if !file.eq_ignore_ascii_case(&title) => format!("{title} ({file})"),
         _ => title,

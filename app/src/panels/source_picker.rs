@@ -2,6 +2,7 @@
 
 use crate::sources::Source;
 use egui::{ComboBox, Ui};
+use std::path::Path;
 
 /// What can be chosen, with what it is called.
 pub type Choices = [(Source, String)];
@@ -13,6 +14,13 @@ pub enum Picked {
     Source(Option<Source>),
     /// A file that is to be chosen.
     ChooseFile,
+}
+
+/// The name of a file without its ending, and its folder.
+fn file_title(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let folder = path.parent().map(|folder| folder.display().to_string()).unwrap_or_default();
+    format!("{} ({folder})", name.trim_end_matches(".asm.ron"))
 }
 
 /// Shows the list; `none` is what no choice is called where that is possible, `name` is for screen readers.
@@ -28,7 +36,7 @@ pub fn show(
     let title = |source: &Source| match choices.iter().find(|(other, _)| other == source) {
         Some((_, title)) => title.clone(),
         None => match source {
-            Source::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            Source::File(path) => file_title(path),
             _ => "(closed)".to_owned(),
         },
     };
