@@ -2,12 +2,15 @@
 
 mod actions;
 mod bars;
+mod checking;
+mod comparing;
 mod documents;
 mod drops;
 mod handing_out;
 mod job;
 mod keeping;
 mod library;
+mod merge;
 mod pages;
 mod panes;
 mod pick;
@@ -44,10 +47,13 @@ use crate::tabs::{Tabs, Work};
 use crate::theme;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_material::{Material, Property};
+use checking::CheckWork;
+use comparing::CompareWork;
 use documents::After;
 use egui::Ui;
 use keeping::Keeping;
 use library::LibraryWork;
+use merge::MergeWork;
 use rescue::Rescue;
 use screenshot::Screenshot;
 use std::sync::mpsc::{Receiver, Sender};
@@ -68,10 +74,15 @@ pub struct App {
     view_tile: Option<egui_tiles::TileId>,
     /// What is to be shown or hidden once the tree is drawn.
     to_toggle: Vec<Pane>,
+    /// What is to be shown once the tree is drawn.
+    to_show: Vec<Pane>,
     pages: Pages,
     presets: PresetPanel,
     library_work: LibraryWork,
     textures: TexturePage,
+    check: CheckWork,
+    compare: CompareWork,
+    merge: MergeWork,
     properties: PropertyPanel,
     reference: ReferencePanel,
     /// Small pictures of maps, meshes and lights.
@@ -147,10 +158,14 @@ impl App {
             dock: Dock::default(),
             view_tile: None,
             to_toggle: Vec::new(),
+            to_show: Vec::new(),
             pages: Pages::default(),
             presets: PresetPanel::default(),
             library_work: LibraryWork::default(),
             textures: TexturePage::default(),
+            check: CheckWork::default(),
+            compare: CompareWork::default(),
+            merge: MergeWork::default(),
             properties: PropertyPanel::default(),
             reference: ReferencePanel::default(),
             small: SmallPictures::default(),
@@ -295,12 +310,16 @@ impl App {
         if ctx.input(|i| !i.raw.events.is_empty() || i.pointer.any_down()) {
             self.last_input = Instant::now();
         }
+        if ctx.input(|i| i.raw.events.contains(&egui::Event::WindowFocused(true))) {
+            self.look_for_changes();
+        }
         if self.has_lost_device(&ctx) {
             return;
         }
         theme::fit(&ctx, self.preferences.text_scale);
         self.collect(&ctx);
         self.mind_the_library(&ctx);
+        self.mind_the_check(&ctx);
         self.carry_out_keys(&ctx);
         self.panels(ui);
         self.show_pages(&ctx);

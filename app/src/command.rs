@@ -71,6 +71,7 @@ commands! {
     SaveAs, "file.save_as", File, false, "Save as…", "Save to another file.", [CTRL_SHIFT S];
     CloseTab, "file.close", File, false, "Close", "Close this material; asks if it has unsaved changes.", [CTRL W];
     OpenLibrary, "file.library", File, false, "Open library…", "Show a folder of materials as a grid of pictures: search, edit many, drag onto the view.", [CTRL_SHIFT O];
+    CompareRelease, "file.release", File, false, "Compare library with a release…", "List what is new, gone and changed by value and by look since an earlier release in a folder, for its notes.", [];
     LoadModel, "file.mesh", File, true, "Load mesh…", "Show the material on a mesh from a .gltf, .glb or .ply file.", [];
     LoadEnvironment, "file.environment", File, false, "Load environment…", "Light the scene with an .hdr or .exr file.", [];
     LoadTextureSet, "file.texture_set", File, false, "Load texture set…", "Choose a folder of images; they are matched to properties by their names.", [];
@@ -120,6 +121,9 @@ commands! {
     ToggleLobes, "window.lobes", Window, false, "Lobes", "Show or hide which lobes are in use, and what they cost.", [NONE L];
     ToggleChart, "window.chart", Window, false, "Convergence", "Show or hide the curve of the error over time.", [NONE G];
     ToggleStability, "window.stability", Window, false, "Stability", "Probe the material at extremes: non-finite values, lost or gained light, time.", [NONE T];
+    ToggleValidation, "window.validation", Window, false, "Validation", "What is wrong or hardly meant in the open library, or in the open material.", [NONE F8];
+    ToggleDiff, "window.diff", Window, false, "Diff", "Two materials value by value and as pictures: two selected cards, a card and this one, or this one as it was.", [NONE F7];
+    ToggleMerge, "window.merge", Window, false, "Merge", "Two versions of a material and what both were made from become one.", [NONE F6];
     ToggleHistory, "window.history", Window, false, "History", "Show or hide the list of steps.", [NONE Y];
     ToggleMessages, "window.messages", Window, false, "Messages", "Show or hide everything that was said.", [];
     ResetLayout, "window.reset_layout", Window, true, "Reset layout", "All panels to their places.", [];

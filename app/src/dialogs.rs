@@ -7,6 +7,21 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+/// Which of the materials that are compared or merged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// The first of two.
+    DiffA,
+    /// The second of two.
+    DiffB,
+    /// What two versions were made from.
+    Base,
+    /// The version whose text is kept.
+    Mine,
+    /// The other version.
+    Theirs,
+}
+
 /// What a path is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
@@ -16,6 +31,14 @@ pub enum Purpose {
     SaveMaterial,
     /// A folder of materials.
     OpenLibrary,
+    /// A material to compare or merge.
+    ChooseVersion(Version),
+    /// The folder of an earlier release of the library.
+    CompareRelease,
+    /// Where to write the report of the check.
+    SaveReport,
+    /// Where to write what changed since a release.
+    SaveNotes,
     /// A mesh to show.
     LoadModel,
     /// An environment map.
@@ -42,6 +65,10 @@ impl Purpose {
             Self::OpenMaterial => "Open material".into(),
             Self::SaveMaterial => "Save material".into(),
             Self::OpenLibrary => "Open the folder of a library".into(),
+            Self::ChooseVersion(_) => "Choose a material".into(),
+            Self::CompareRelease => "Choose the folder of an earlier release".into(),
+            Self::SaveReport => "Save the report".into(),
+            Self::SaveNotes => "Save the notes".into(),
             Self::LoadModel => "Load mesh".into(),
             Self::LoadEnvironment => "Load environment".into(),
             Self::LoadTexture(property) => format!("Choose a map for {}", property.def().label),
@@ -55,7 +82,11 @@ impl Purpose {
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenMaterial | Self::SaveMaterial | Self::OpenLibrary => ("Material", &["ron"]),
+            Self::OpenMaterial | Self::SaveMaterial | Self::OpenLibrary | Self::ChooseVersion(_) | Self::CompareRelease => {
+                ("Material", &["ron"])
+            }
+            Self::SaveReport => ("Report", &["json", "txt"]),
+            Self::SaveNotes => ("Notes", &["md", "txt"]),
             Self::LoadModel => ("Mesh", &["gltf", "glb", "ply"]),
             Self::LoadEnvironment => ("Environment", &["hdr", "exr"]),
             Self::LoadTexture(_) | Self::LoadTextureSet | Self::LoadReference => ("Image", &["png", "jpg", "jpeg", "exr", "hdr"]),
@@ -67,7 +98,20 @@ impl Purpose {
     }
 
     fn is_saving(self) -> bool {
-        matches!(self, Self::SaveMaterial | Self::SavePng | Self::SaveExr | Self::SaveSheet | Self::SavePack)
+        matches!(
+            self,
+            Self::SaveMaterial
+                | Self::SavePng
+                | Self::SaveExr
+                | Self::SaveSheet
+                | Self::SavePack
+                | Self::SaveReport
+                | Self::SaveNotes
+        )
+    }
+
+    fn is_folder(self) -> bool {
+        matches!(self, Self::OpenLibrary | Self::CompareRelease | Self::LoadTextureSet)
     }
 }
 
@@ -126,7 +170,7 @@ impl Dialogs for SystemDialogs {
         if purpose.is_saving() {
             let future = dialog.save_file();
             std::thread::spawn(move || wait(pollster::block_on(future)));
-        } else if matches!(purpose, Purpose::LoadTextureSet | Purpose::OpenLibrary) {
+        } else if purpose.is_folder() {
             let future = dialog.pick_folder();
             std::thread::spawn(move || wait(pollster::block_on(future)));
         } else {

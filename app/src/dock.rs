@@ -24,6 +24,12 @@ pub enum Pane {
     Chart,
     /// The stability report.
     Stability,
+    /// What a check of the library found.
+    Validation,
+    /// Two materials beside each other.
+    Diff,
+    /// Versions of a material that become one.
+    Merge,
     /// The steps made.
     History,
     /// What was said.
@@ -34,7 +40,7 @@ pub enum Pane {
 
 impl Pane {
     /// All panes.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::View,
         Self::Library,
         Self::Folder,
@@ -42,6 +48,9 @@ impl Pane {
         Self::Lobes,
         Self::Chart,
         Self::Stability,
+        Self::Validation,
+        Self::Diff,
+        Self::Merge,
         Self::History,
         Self::Messages,
         Self::Reference,
@@ -57,6 +66,9 @@ impl Pane {
             Self::Lobes => "Lobes",
             Self::Chart => "Convergence",
             Self::Stability => "Stability",
+            Self::Validation => "Validation",
+            Self::Diff => "Diff",
+            Self::Merge => "Merge",
             Self::History => "History",
             Self::Messages => "Messages",
             Self::Reference => "Reference",
@@ -69,6 +81,8 @@ impl Pane {
             Self::View => vec2(340.0, 260.0),
             Self::Properties => vec2(386.0, 200.0),
             Self::Library | Self::Folder => vec2(216.0, 120.0),
+            Self::Validation => vec2(240.0, 200.0),
+            Self::Diff | Self::Merge => vec2(340.0, 220.0),
             _ => vec2(150.0, 130.0),
         }
     }
@@ -100,8 +114,8 @@ impl Default for Dock {
             tiles.insert_tab_tile(children)
         };
         let library = tab(&mut tiles, &[Pane::Library, Pane::Folder]);
-        let view = tab(&mut tiles, &[Pane::View]);
-        let lobes = tab(&mut tiles, &[Pane::Lobes, Pane::Stability, Pane::History, Pane::Messages]);
+        let view = tab(&mut tiles, &[Pane::View, Pane::Diff, Pane::Merge]);
+        let lobes = tab(&mut tiles, &[Pane::Lobes, Pane::Stability, Pane::Validation, Pane::History, Pane::Messages]);
         let chart = tab(&mut tiles, &[Pane::Chart]);
         let properties = tab(&mut tiles, &[Pane::Properties]);
         let reference = tab(&mut tiles, &[Pane::Reference]);
@@ -115,7 +129,9 @@ impl Default for Dock {
         let middle = linear(&mut tiles, LinearDir::Vertical, &[(above, 0.8), (below, 0.2)]);
         let root = linear(&mut tiles, LinearDir::Horizontal, &[(library, 0.165), (middle, 0.525), (properties, 0.31)]);
         let mut dock = Self { tree: Tree::new(Id::unique("dock"), root, tiles) };
-        dock.set_shown(Pane::Reference, false);
+        for pane in [Pane::Reference, Pane::Validation, Pane::Diff, Pane::Merge] {
+            dock.set_shown(pane, false);
+        }
         dock
     }
 }
@@ -126,15 +142,23 @@ impl Dock {
         Self { tree: Tree::empty(Id::unique("dock")) }
     }
 
-    /// Reads what [`Self::to_text`] wrote, also before there was a library; `None` if it is no layout with every pane once.
+    /// Reads what [`Self::to_text`] wrote, also before there were all panes of today; `None` if it is no layout with every pane once.
     pub fn from_text(text: &str) -> Option<Self> {
         let mut tree: Tree<Pane> = ron::from_str(text).ok()?;
-        if tree.tiles.find_pane(&Pane::Folder).is_none() {
-            let beside = tree.tiles.parent_of(tree.tiles.find_pane(&Pane::Library)?)?;
-            let id = tree.tiles.insert_pane(Pane::Folder);
-            match tree.tiles.get_mut(beside) {
-                Some(Tile::Container(container)) => container.add_child(id),
-                _ => return None,
+        for (pane, beside, is_shown) in [
+            (Pane::Folder, Pane::Library, true),
+            (Pane::Validation, Pane::Stability, false),
+            (Pane::Diff, Pane::View, false),
+            (Pane::Merge, Pane::View, false),
+        ] {
+            if tree.tiles.find_pane(&pane).is_none() {
+                let beside = tree.tiles.parent_of(tree.tiles.find_pane(&beside)?)?;
+                let id = tree.tiles.insert_pane(pane);
+                match tree.tiles.get_mut(beside) {
+                    Some(Tile::Container(container)) => container.add_child(id),
+                    _ => return None,
+                }
+                tree.set_visible(id, is_shown);
             }
         }
         let count = |pane: Pane| tree.tiles.tiles().filter(|tile| **tile == Tile::Pane(pane)).count();
@@ -150,6 +174,13 @@ impl Dock {
 
     fn id(&self, pane: Pane) -> Option<TileId> {
         self.tree.tiles.find_pane(&pane)
+    }
+
+    /// Whether no other tab is shown beside that of a pane.
+    pub fn is_alone(&self, pane: Pane) -> bool {
+        let parent = self.id(pane).and_then(|id| self.tree.tiles.parent_of(id)).and_then(|id| self.tree.tiles.get(id));
+        let Some(Tile::Container(container)) = parent else { return true };
+        container.children().filter(|child| self.tree.tiles.is_visible(**child)).count() <= 1
     }
 
     /// Whether a pane is being drawn: not hidden, and in front of its tabs.

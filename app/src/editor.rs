@@ -3,7 +3,7 @@
 use crate::files::{self, OpenedMaterial};
 use crate::picture_job::Place;
 use burnish_assets::Environment;
-use burnish_material::{Material, MaterialFile, PROPERTIES};
+use burnish_material::{Material, MaterialFile};
 use burnish_renderer::path::StopRules;
 use burnish_renderer::scene::{Camera, DEFAULT_ELEVATION_DEG, DEFAULT_FOV_DEG, EnvironmentLight, ModelMeshes, Scene, TextureSet};
 use burnish_renderer::tonemap::Display;
@@ -88,6 +88,11 @@ impl Document {
         &self.origin.saved
     }
 
+    /// The same, to be kept while the document is saved again.
+    pub fn saved_shared(&self) -> Arc<MaterialFile> {
+        self.origin.saved.clone()
+    }
+
     /// Where the document was opened from or saved to.
     pub fn path(&self) -> Option<&Path> {
         self.origin.path.as_deref()
@@ -121,17 +126,10 @@ impl Document {
     /// Prepares for saving in another folder: relative paths of maps are made to lead to the same images from there.
     pub fn move_to_folder(&mut self, folder: Option<&Path>) {
         let old = self.folder().map(Path::to_path_buf);
-        if old.as_deref() == folder {
-            return;
-        }
-        for def in PROPERTIES {
-            let Some(texture) = &mut self.material.slot_mut(def.id).texture else { continue };
-            let Some(path) = files::texture_path(&texture.path, old.as_deref()) else { continue };
-            let name = files::texture_name(&path, folder);
-            if let Some(image) = self.textures.get(&texture.path).cloned() {
-                Arc::make_mut(&mut self.textures).insert(name.clone(), image);
+        for (old, new) in files::move_textures(&mut self.material, old.as_deref(), folder) {
+            if let Some(image) = self.textures.get(&old).cloned() {
+                Arc::make_mut(&mut self.textures).insert(new, image);
             }
-            texture.path = name;
         }
     }
 

@@ -350,6 +350,18 @@ pub fn texture_path(path: &str, folder: Option<&Path>) -> Option<PathBuf> {
     }
 }
 
+/// Names the images of a material anew, so that its relative paths lead to the same files from another folder. Returns old and new names.
+pub fn move_textures(material: &mut Material, from: Option<&Path>, to: Option<&Path>) -> Vec<(String, String)> {
+    let mut moved = Vec::new();
+    for def in burnish_material::PROPERTIES.iter().filter(|_| from != to) {
+        let Some(texture) = &mut material.slot_mut(def.id).texture else { continue };
+        let Some(path) = texture_path(&texture.path, from) else { continue };
+        let name = texture_name(&path, to);
+        moved.push((std::mem::replace(&mut texture.path, name.clone()), name));
+    }
+    moved
+}
+
 /// How a material file in `folder` should name the image at `path`: relative if it lies below, with `/` either way.
 pub fn texture_name(path: &Path, folder: Option<&Path>) -> String {
     let relative = folder.and_then(|folder| path.strip_prefix(folder).ok()).unwrap_or(path);

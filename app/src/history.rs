@@ -30,7 +30,7 @@ fn size(material: &Material) -> usize {
     size_of::<Material>()
         + PROPERTIES.len() * size_of::<Slot>()
         + texts.iter().map(|text| text.len()).sum::<usize>()
-        + material.tags.iter().map(String::len).sum::<usize>()
+        + material.aliases.iter().chain(&material.tags).map(String::len).sum::<usize>()
         + maps.sum::<usize>()
 }
 

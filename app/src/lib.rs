@@ -4,6 +4,7 @@
 //! with the one last sent, and if it differs, the history, the preview and the final view are told, in that order.
 
 pub mod app;
+pub mod background;
 pub mod bookmarks;
 pub mod cli;
 pub mod command;
@@ -31,10 +32,12 @@ pub mod live_preview;
 pub mod live_stability;
 pub mod loading;
 pub mod lobe_costs;
+pub mod merging;
 pub mod own_files;
 pub mod pages;
 pub mod panels;
 pub mod parity;
+pub mod picture_diff;
 pub mod picture_file;
 pub mod picture_job;
 pub mod places;
@@ -44,6 +47,7 @@ pub mod recovery;
 pub mod scene_file;
 pub mod sides;
 pub mod small_pictures;
+pub mod sources;
 pub mod switches;
 pub mod tabs;
 pub mod texture_set;

@@ -15,6 +15,12 @@ pub enum Ends {
     SmallPictures,
     /// A contact sheet or pack of the library.
     Export,
+    /// Checking the library.
+    Check,
+    /// Comparing the library with an earlier release.
+    Release,
+    /// Drawing two materials and their difference.
+    PictureDiff,
 }
 
 /// One piece of work.

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::file::{MaterialFile, TEXTS, same_texture, same_value, string, texture, value_text};
+use crate::file::{MaterialFile, TEXTS, list, same_texture, same_value, string, texture, value_text};
 use crate::material::Material;
 use crate::properties::{PROPERTIES, Property};
-use crate::value::Value;
+use crate::value::{Unit, Value};
 
 /// One entry that differs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub struct Change {
     pub is_visible: bool,
 }
 
-/// Everything in which two materials differ: name, tags, notes, unit, provenance, then values and textures in specification order.
+/// Everything in which two materials differ: name, other names, tags, notes, unit, provenance, then values and textures in specification order.
 ///
 /// A default that is written out is no difference to one that is not. Numbers are compared to the last bit.
 pub fn changes(a: &Material, b: &Material) -> Vec<Change> {
@@ -34,8 +34,11 @@ pub fn changes(a: &Material, b: &Material) -> Vec<Change> {
     for (key, a, b) in texts.into_iter().filter(|(_, a, b)| a != b) {
         add(key.to_owned(), None, text(a), text(b), false);
     }
-    if a.tags != b.tags {
-        add("tags".to_owned(), None, tags(&a.tags), tags(&b.tags), false);
+    for (key, a, b) in [("aliases", &a.aliases, &b.aliases), ("tags", &a.tags, &b.tags)] {
+        if a != b {
+            let text = |words: &[String]| (!words.is_empty()).then(|| list(words));
+            add(key.to_owned(), None, text(a), text(b), false);
+        }
     }
     if a.unit_mm().to_bits() != b.unit_mm().to_bits() {
         let unit = |m: &Material| m.unit_mm.map(|unit| value_text(Value::Float(unit)));
@@ -83,7 +86,36 @@ pub(crate) fn text(words: &str) -> Option<String> {
     (!words.is_empty()).then(|| string(words))
 }
 
-fn tags(tags: &[String]) -> Option<String> {
-    let words = tags.iter().map(|tag| string(tag)).collect::<Vec<_>>().join(", ");
-    (!tags.is_empty()).then(|| format!("[{words}]"))
+/// Gives a material an entry of another one, by a key of [`changes`]; whether there is such an entry. Lengths mean nothing without their unit:
+/// where the units differ, the unit goes with all lengths, and each length with the unit.
+pub fn take(to: &mut Material, from: &Material, key: &str) -> bool {
+    let has_one_unit = to.unit_mm().to_bits() == from.unit_mm().to_bits();
+    match key {
+        "name" => to.name.clone_from(&from.name),
+        "notes" => to.notes.clone_from(&from.notes),
+        "aliases" => to.aliases.clone_from(&from.aliases),
+        "tags" => to.tags.clone_from(&from.tags),
+        "unit_mm" => take_lengths(to, from),
+        "provenance.source" => to.provenance.source.clone_from(&from.provenance.source),
+        "provenance.reference" => to.provenance.reference.clone_from(&from.provenance.reference),
+        "provenance.method" => to.provenance.method.clone_from(&from.provenance.method),
+        "provenance.licence" => to.provenance.licence.clone_from(&from.provenance.licence),
+        _ => {
+            let (name, is_texture) = key.strip_suffix(".texture").map_or((key, false), |name| (name, true));
+            let Some(id) = Property::from_name(name) else { return false };
+            match (is_texture, id.def().unit == Unit::Length && !has_one_unit) {
+                (true, _) => to.slot_mut(id).texture.clone_from(&from.slot(id).texture),
+                (false, true) => take_lengths(to, from),
+                (false, false) => to.slot_mut(id).value = from.slot(id).value,
+            }
+        }
+    }
+    true
+}
+
+fn take_lengths(to: &mut Material, from: &Material) {
+    to.unit_mm = from.unit_mm;
+    for def in PROPERTIES.iter().filter(|def| def.unit == Unit::Length) {
+        *to.slot_mut(def.id) = from.slot(def.id).clone();
+    }
 }

@@ -16,7 +16,9 @@ use crate::material::Material;
 use crate::properties::Property;
 use crate::value::Value;
 use tree::Block;
-pub(crate) use write::{TEXTS, same_slot, same_texture, same_value, slot as slot_text, string, texture, value as value_text};
+pub(crate) use write::{
+    TEXTS, list, same_slot, same_texture, same_value, slot as slot_text, string, texture, value as value_text,
+};
 
 /// Version of the model that new files state.
 pub const ASM_VERSION: &str = "4.0";

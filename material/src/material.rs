@@ -12,6 +12,8 @@ pub const DEFAULT_UNIT_MM: f64 = 100.0;
 pub struct Material {
     /// Name shown to users.
     pub name: String,
+    /// Other names that it is found by, such as that of a file that became one with this one.
+    pub aliases: Vec<String>,
     /// Free words for searching.
     pub tags: Vec<String>,
     /// Free text.
@@ -40,6 +42,7 @@ impl Default for Material {
     fn default() -> Self {
         Self {
             name: String::new(),
+            aliases: Vec::new(),
             tags: Vec::new(),
             notes: String::new(),
             provenance: Provenance::default(),

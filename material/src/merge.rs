@@ -1,7 +1,7 @@
 //! Two versions of a material made from a third, put together: what one of them changed is taken, what both changed is decided.
 //!
 //! Entries are merged one by one: each property with its texture, name, notes, and each text of the provenance. Lengths and the unit they are in
-//! are one entry where the unit was changed, because neither means anything without the other. Tags are merged word by word.
+//! are one entry where the unit was changed, because neither means anything without the other. Tags and other names are merged word by word.
 
 use crate::diff::{self, Change};
 use crate::file::{MaterialFile, TEXTS, same_slot, same_texture, same_value, slot_text, value_text};
@@ -38,7 +38,7 @@ pub struct Conflict {
 pub struct Merged {
     /// With the preferred side's entry where there is a conflict.
     pub material: Material,
-    /// What both changed differently. Two new names are none: one is kept as the tag `alias:NAME`.
+    /// What both changed differently. Two new names are none: one is kept among [`Material::aliases`].
     pub conflicts: Vec<Conflict>,
     /// Keys of the entries that come from the second version, conflicts included.
     pub taken: Vec<String>,
@@ -143,10 +143,10 @@ impl Merger<'_> {
     fn words(&mut self) {
         let (base, a, b) = (self.base, self.a, self.b);
         let same = |x: &String, y: &String| x == y;
-        self.material.tags = merged_tags(&base.tags, &a.tags, &b.tags);
-        if a.tags != self.material.tags {
-            self.taken.push("tags".to_owned());
-        }
+        self.material.tags = merged_words(&base.tags, &a.tags, &b.tags);
+        self.material.aliases = merged_words(&base.aliases, &a.aliases, &b.aliases);
+        let lists = [("tags", &a.tags, &self.material.tags), ("aliases", &a.aliases, &self.material.aliases)];
+        self.taken.extend(lists.into_iter().filter(|(_, a, merged)| a != merged).map(|(key, ..)| key.to_owned()));
         let (name, other) = match pick(&base.name, &a.name, &b.name, same, same) {
             Pick::A => (&a.name, None),
             Pick::B => (&b.name, None),
@@ -157,11 +157,8 @@ impl Merger<'_> {
             self.taken.push("name".to_owned());
         }
         self.material.name.clone_from(name);
-        if let Some(other) = other.filter(|other| !other.is_empty()) {
-            let alias = format!("alias:{other}");
-            if !self.material.tags.contains(&alias) {
-                self.material.tags.push(alias);
-            }
+        if let Some(other) = other.filter(|other| !other.is_empty() && !self.material.aliases.contains(other)) {
+            self.material.aliases.push(other.clone());
         }
         if self.is_from_b("notes", None, pick(&base.notes, &a.notes, &b.notes, same, same), |m| diff::text(&m.notes)) {
             self.material.notes.clone_from(&b.notes);
@@ -227,7 +224,7 @@ fn slot_of(material: &Material, id: Property) -> Option<String> {
 }
 
 /// The first version's words without those that the second one took out, then those that it added.
-fn merged_tags(base: &[String], a: &[String], b: &[String]) -> Vec<String> {
+fn merged_words(base: &[String], a: &[String], b: &[String]) -> Vec<String> {
     if a == base || a == b {
         return b.to_vec();
     }

@@ -249,15 +249,22 @@ fn refused_values_stay_until_they_are_set() {
         assert_eq!(file.material(), &Material::default());
         assert_eq!(file.unreadable().len(), 1);
     }
-    for (key, bad) in
-        [("name", "3"), ("tags", "[\"a\", 3]"), ("tags", "\"a\""), ("unit_mm", "inf"), ("provenance", "[]"), ("properties", "3")]
-    {
+    for (key, bad) in [
+        ("name", "3"),
+        ("tags", "[\"a\", 3]"),
+        ("tags", "\"a\""),
+        ("aliases", "[3]"),
+        ("unit_mm", "inf"),
+        ("provenance", "[]"),
+        ("properties", "3"),
+    ] {
         let text = format!("{{\"asm\":\"4.0\",\"{key}\":{bad}}}");
         let (file, warnings) = read(&text);
         assert!(warnings.len() == 1 && warnings[0].is_refused && warnings[0].key == key, "{key} {warnings:?}");
         assert_eq!(file.material(), &Material::default());
         edit(&text, |m| {
             (m.name, m.notes, m.tags, m.unit_mm) = ("n".into(), "n".into(), vec!["t".into()], Some(2.0));
+            m.aliases = vec!["o".into()];
             m.provenance.method = "m".into();
             _ = m.set(P::coat, Value::Float(1.0));
         });

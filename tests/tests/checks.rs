@@ -6,7 +6,7 @@ use burnish::library::check::{Checked, Kind, Options, Row, Shelved, check_files,
 use burnish::library::index::Index;
 use burnish::library::scan::Scan;
 use burnish::library::shelf::Shelf;
-use burnish_material::diff::{changes, file_changes};
+use burnish_material::diff::{changes, file_changes, take};
 use burnish_material::merge::{Side, merge, merge_files};
 use burnish_material::{Material, MaterialFile, PROPERTIES, Property, Severity, TextureRef, Value};
 use proptest::prelude::*;
@@ -317,14 +317,12 @@ fn conflicts_are_told_and_decided() {
     };
     let base = of("Wax", 0.3, 0.5, None);
     let (a, b) = (of("Bee wax", 0.4, 0.5, None), of("Candle wax", 0.6, 0.5, None));
-    for (prefer, roughness, name, alias) in
-        [(Side::A, 0.4, "Bee wax", "alias:Candle wax"), (Side::B, 0.6, "Candle wax", "alias:Bee wax")]
-    {
+    for (prefer, roughness, name, alias) in [(Side::A, 0.4, "Bee wax", "Candle wax"), (Side::B, 0.6, "Candle wax", "Bee wax")] {
         let merged = merge(&base, &a, &b, prefer);
         let keys: Vec<_> = merged.conflicts.iter().map(|conflict| conflict.key.as_str()).collect();
         assert_eq!(keys, ["roughness"]);
         assert_eq!((merged.material.float(Property::roughness), merged.material.name.as_str()), (roughness, name));
-        assert_eq!(merged.material.tags, [alias]);
+        assert_eq!(merged.material.aliases, [alias]);
     }
     // A length means nothing without its unit: one version changed the unit, the other a length.
     let merged = merge(&base, &of("Wax", 0.3, 50.0, Some(1.0)), &of("Wax", 0.3, 0.6, None), Side::A);
@@ -382,6 +380,18 @@ fn material() -> impl Strategy<Value = Material> {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn taking_every_entry_over_leaves_no_difference(a in material(), b in material(), alias in "[a-z]{0,3}") {
+        let (mut to, mut from) = (a, b);
+        from.aliases.push(alias);
+        for change in changes(&to.clone(), &from) {
+            prop_assert!(take(&mut to, &from, &change.key), "{}", change.key);
+        }
+        let found = changes(&to, &from);
+        prop_assert!(found.is_empty(), "{found:?}");
+        prop_assert!(!take(&mut to, &from, "velvet"));
+    }
 
     #[test]
     fn what_one_version_changed_is_taken(base in material(), a in material(), b in material()) {

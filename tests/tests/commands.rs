@@ -73,6 +73,10 @@ fn window_for(command: Command, folder: &Path) -> Window {
             press(&mut window, Command::New);
         }
         Command::ResetLayout => press(&mut window, Command::ToggleStability),
+        Command::CompareRelease => {
+            let ctx = window.ctx.clone();
+            app_mut(&mut window).open_library(folder, &ctx);
+        }
         _ => {}
     }
     window.run_steps(2);
@@ -114,6 +118,7 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
             is_said(window, "chosen")
         }
         Command::OpenLibrary => is_said(window, "Library ") && app.library().is_some(),
+        Command::CompareRelease => app.dock().is_drawn(Pane::Validation),
         Command::NewFromMeasured => has(window, Role::TextInput, "Search measured materials"),
         Command::OpenRecent => has(window, Role::TextInput, "Open recent"),
         Command::Save | Command::SaveAs => is_said(window, "saved, reread") && folder.join("chosen.asm.ron").exists(),
@@ -155,6 +160,9 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
         Command::ToggleLobes => is_drawn(Pane::Lobes, true),
         Command::ToggleChart => is_drawn(Pane::Chart, true),
         Command::ToggleStability => is_drawn(Pane::Stability, false),
+        Command::ToggleValidation => is_drawn(Pane::Validation, false),
+        Command::ToggleDiff => is_drawn(Pane::Diff, false),
+        Command::ToggleMerge => is_drawn(Pane::Merge, false),
         Command::ToggleHistory => is_drawn(Pane::History, false),
         Command::ToggleMessages => is_drawn(Pane::Messages, false),
         Command::ResetLayout => !app.dock().is_drawn(Pane::Stability) && app.dock().is_drawn(Pane::Lobes),

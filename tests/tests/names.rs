@@ -80,6 +80,12 @@ fn panels_and_menus() {
             check(&window, command.text());
         }
     }
+    for command in [Command::ToggleValidation, Command::ToggleDiff, Command::ToggleMerge] {
+        press(&mut window, command);
+        window.run_steps(3);
+        check(&window, command.text());
+        press(&mut window, command);
+    }
     app_mut(&mut window).carry_out(Command::ToggleMessages, &egui::Context::default());
     press(&mut window, Command::New);
     set_document(&mut window, |material| _ = material.set(Property::roughness, Value::Float(0.123)));
@@ -104,6 +110,38 @@ fn pages() {
     press(&mut window, Command::Help);
     window.run_steps(2);
     check(&window, "a reference");
+}
+
+#[test]
+fn the_panes_of_a_library() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, color) in [("a", "(1.4, 0.2, 0.1)"), ("b", "(1.4, 0.2, 0.1)"), ("c", "(0.4, 0.2, 0.1)")] {
+        let text = format!("{{ \"asm\": \"4.0\", \"name\": \"{name}\", \"properties\": {{ \"base_color\": {color} }} }}");
+        std::fs::write(folder.path().join(format!("{name}.asm.ron")), text).expect("it can be written");
+    }
+    let mut window = window();
+    let ctx = window.ctx.clone();
+    app_mut(&mut window).open_library(folder.path(), &ctx);
+    press(&mut window, Command::ToggleValidation);
+    let start = std::time::Instant::now();
+    while app(&window).checked().is_none_or(|checked| checked.pairs.is_empty()) {
+        assert!(start.elapsed().as_secs() < 60, "not checked");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        window.run_steps(1);
+    }
+    window.run_steps(3);
+    check(&window, "findings");
+    for name in ["How to check", "Report of the check"] {
+        check_opened(&mut window, Role::Button, name);
+    }
+    let at = rect(&window, Role::Button, "Side by side a and b").center();
+    click(&mut window, at);
+    window.run_steps(10);
+    check(&window, "differences");
+    check_opened(&mut window, Role::ComboBox, "Material A");
+    app_mut(&mut window).carry_out(Command::CompareRelease, &ctx);
+    window.run_steps(3);
+    check(&window, "a release");
 }
 
 /// Opens what a control opens, checks, and closes it.

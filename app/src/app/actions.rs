@@ -44,6 +44,7 @@ impl App {
             Command::ShowBoth | Command::ShowWipe | Command::ShowDifference | Command::ToggleFinal => {
                 self.preview.problem().is_none()
             }
+            Command::CompareRelease => self.library().is_some(),
             Command::FlipSides | Command::CompareSides => self.sides.stored().is_some(),
             Command::NextTab | Command::PreviousTab => self.tabs.count() > 1,
             Command::ContactSheet | Command::ExportPack => self.library().is_some_and(|library| !library.entries().is_empty()),
@@ -115,6 +116,9 @@ impl App {
         if !self.is_possible(command) {
             return;
         }
+        if command == Command::ToggleDiff && !self.dock.is_drawn(Pane::Diff) {
+            self.compare_selected();
+        }
         if let Some(pane) = pane_of(command) {
             self.editor.view.are_panels_shown = true;
             return self.toggle_pane(pane);
@@ -125,6 +129,7 @@ impl App {
             Command::Open => self.ask(Purpose::OpenMaterial, ctx),
             Command::OpenRecent => self.pages.open(Page::Recent),
             Command::OpenLibrary => self.ask(Purpose::OpenLibrary, ctx),
+            Command::CompareRelease => self.show_release(ctx),
             Command::NewFromMeasured => self.pages.open(Page::Measured),
             Command::Save => self.save(ctx),
             Command::SaveAs => self.ask(Purpose::SaveMaterial, ctx),
@@ -257,6 +262,9 @@ impl App {
             | Command::ToggleLobes
             | Command::ToggleChart
             | Command::ToggleStability
+            | Command::ToggleValidation
+            | Command::ToggleDiff
+            | Command::ToggleMerge
             | Command::ToggleHistory
             | Command::ToggleMessages => {}
         }
@@ -383,6 +391,9 @@ fn pane_of(command: Command) -> Option<Pane> {
         Command::ToggleLobes => Pane::Lobes,
         Command::ToggleChart => Pane::Chart,
         Command::ToggleStability => Pane::Stability,
+        Command::ToggleValidation => Pane::Validation,
+        Command::ToggleDiff => Pane::Diff,
+        Command::ToggleMerge => Pane::Merge,
         Command::ToggleHistory => Pane::History,
         Command::ToggleMessages => Pane::Messages,
         _ => return None,

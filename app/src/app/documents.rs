@@ -143,6 +143,8 @@ impl App {
             Purpose::SavePng => format!("{stem}.png"),
             Purpose::SaveExr => format!("{stem}.exr"),
             Purpose::SaveSheet | Purpose::SavePack => self.export_name(purpose),
+            Purpose::SaveReport => "report.json".to_owned(),
+            Purpose::SaveNotes => "changes.md".to_owned(),
             _ => String::new(),
         };
         let folder = document.folder().map(Path::to_path_buf);
@@ -187,6 +189,7 @@ impl App {
                     1 => "1 value changed".into(),
                     n => format!("{n} values changed"),
                 };
+                self.saved_in_library(&path);
                 self.messages.info(format!("{}: saved, reread, {values}, all else identical", path.display()));
                 self.keeping.opened(&path);
                 if let Some(after) = self.after_save.take() {
@@ -217,6 +220,10 @@ impl App {
                 self.save_to(path, ctx);
             }
             Purpose::OpenLibrary => self.open_library(&path, ctx),
+            Purpose::ChooseVersion(version) => self.chosen_version(version, path),
+            Purpose::CompareRelease => self.set_release(path),
+            Purpose::SaveReport => self.save_report(path, ctx),
+            Purpose::SaveNotes => self.save_notes(path, ctx),
             Purpose::LoadModel => self.loader.start(Job::Model(path), ctx),
             Purpose::LoadEnvironment => self.loader.start(Job::Environment(path), ctx),
             Purpose::LoadTexture(property) => self.loader.start(Job::Texture(id, property, path), ctx),
@@ -229,7 +236,7 @@ impl App {
     }
 
     /// Changes the document of a number, whether it is in front or not, as one step of this name.
-    fn edit_document(&mut self, id: u64, label: Option<&str>, edit: impl FnOnce(&mut Document)) {
+    pub(super) fn edit_document(&mut self, id: u64, label: Option<&str>, edit: impl FnOnce(&mut Document)) {
         if id == self.tabs.front_id() {
             self.history.settle();
             edit(&mut self.editor.document);

@@ -13,6 +13,7 @@ use crate::pages::Page;
 use crate::panels::batch_page::BatchPage;
 use crate::panels::library::{Around, LibraryAction, LibraryPanel};
 use crate::panels::measured_page::MeasuredPage;
+use crate::sources::Source;
 use burnish_material::MaterialFile;
 use burnish_presets::measured::Measured;
 use egui::{Context, Ui};
@@ -125,6 +126,10 @@ impl App {
         if edit.files.is_empty() {
             return self.messages.info(format!("{}: nothing had to be changed.", edit.title));
         }
+        self.compare.sources.forget_files();
+        for gone in edit.files.iter().filter(|file| file.after.is_none()).filter_map(|file| file.before.as_ref()) {
+            self.keeping.saved(&gone.path);
+        }
         for path in edit.files.iter().filter_map(|file| Some(&file.after.as_ref()?.path)) {
             self.keeping.saved(path);
             let open = self.tabs.documents(&self.editor.document).find(|(_, document)| document.path() == Some(path));
@@ -174,6 +179,38 @@ impl App {
             wake.request_repaint();
         });
         self.library_work.running = Some((step, receiver));
+    }
+
+    /// The same for an edit that is not taken back or made again.
+    pub(super) fn edit_files_anew(&mut self, plan: impl FnOnce() -> Planned + Send + 'static, ctx: &Context) {
+        self.edit_files(Step::New, plan, ctx);
+    }
+
+    /// A document was saved: if that was in the library, it has changed.
+    pub(super) fn saved_in_library(&mut self, path: &Path) {
+        self.compare.sources.forget_files();
+        if let Some(library) = self.library_work.library.as_mut().filter(|library| path.starts_with(library.root())) {
+            library.rescan();
+        }
+    }
+
+    /// Looks for changes that other programs have made to files of the library while the window was not in use.
+    pub(super) fn look_for_changes(&mut self) {
+        self.compare.sources.forget_files();
+        if let Some(library) = self.library_work.library.as_mut().filter(|library| library.progress().is_none()) {
+            library.rescan();
+        }
+    }
+
+    /// Whole paths of the selected cards.
+    pub(super) fn selected_cards(&self) -> Vec<PathBuf> {
+        let Some(library) = &self.library_work.library else { return Vec::new() };
+        self.library_work.panel.selected().map(|path| library.root().join(path)).collect()
+    }
+
+    /// Selects a card and brings it into sight; relative to the library's folder.
+    pub(super) fn reveal_card(&mut self, path: PathBuf) {
+        self.library_work.panel.reveal(path);
     }
 
     /// Whether files were edited last, and nothing else was done since.
@@ -257,6 +294,11 @@ impl App {
             }
             LibraryAction::Apply(path) => self.apply_file(&root.join(path), ctx),
             LibraryAction::Compare(path) => self.loader.start(Job::Compare(self.tabs.front_id(), root.join(path)), ctx),
+            LibraryAction::Diff(paths) => match whole(paths).as_slice() {
+                [a, b] => self.compare_sources(Source::File(a.clone()), Source::File(b.clone())),
+                [one] => self.compare_sources(Source::File(one.clone()), Source::Front),
+                _ => {}
+            },
             LibraryAction::Edit(paths) => {
                 self.library_work.batch = BatchPage::new(whole(paths));
                 self.pages.open(Page::BatchEdit);

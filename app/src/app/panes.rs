@@ -16,6 +16,8 @@ use egui_tiles::{SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 struct Panes<'a> {
     app: &'a mut App,
     closed: Vec<TileId>,
+    /// Whether no other tab is shown beside that of the view.
+    is_view_alone: bool,
 }
 
 impl egui_tiles::Behavior<Pane> for Panes<'_> {
@@ -40,7 +42,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
 
     fn is_tab_bar_visible(&self, _tile: TileId, tabs: &egui_tiles::Tabs) -> bool {
         // The view needs every point, and its own toolbar says what it is.
-        !(tabs.children.len() == 1 && self.app.view_tile == tabs.children.first().copied())
+        !(self.is_view_alone && self.app.view_tile.is_some_and(|view| tabs.children.contains(&view)))
     }
 
     fn gap_width(&self, _style: &egui::Style) -> f32 {
@@ -97,7 +99,7 @@ impl App {
             let mut dock = std::mem::replace(&mut self.dock, Dock::empty());
             let has_view = dock.is_drawn(Pane::View);
             self.view_tile = dock.tree.tiles.find_pane(&Pane::View);
-            let mut panes = Panes { app: self, closed: Vec::new() };
+            let mut panes = Panes { app: self, closed: Vec::new(), is_view_alone: dock.is_alone(Pane::View) };
             let text_scale = theme::text_scale(ui);
             dock.show(ui, &mut panes, text_scale);
             let closed = std::mem::take(&mut panes.closed);
@@ -106,17 +108,34 @@ impl App {
             for pane in std::mem::take(&mut self.to_toggle) {
                 dock.toggle(pane);
             }
+            for pane in std::mem::take(&mut self.to_show) {
+                dock.set_shown(pane, true);
+            }
             self.dock = dock;
             // The view tells everybody what changed; behind another tab it is not drawn.
             if !has_view {
+                self.view_rect = egui::Rect::NOTHING;
                 let ctx = ui.ctx().clone();
                 self.sync(&ctx);
             }
         });
+        if !self.dock.is_drawn(Pane::Diff) {
+            self.compare.forget();
+        }
         if !self.dock.is_drawn(Pane::Stability)
             && let Some(stability) = &mut self.stability
         {
             stability.forget();
+        }
+    }
+
+    /// Shows a pane in front of its tabs; while the tree is being drawn, right after.
+    pub(super) fn show_pane(&mut self, pane: Pane) {
+        self.editor.view.are_panels_shown = true;
+        if self.dock.tree.is_empty() {
+            self.to_show.push(pane);
+        } else if !self.dock.is_drawn(pane) {
+            self.dock.set_shown(pane, true);
         }
     }
 
@@ -146,6 +165,9 @@ impl App {
             Pane::Lobes => hold(ui, |ui| self.lobe_pane(ui)),
             Pane::Chart => hold(ui, |ui| self.chart_pane(ui)),
             Pane::Stability => hold(ui, |ui| self.stability_pane(ui)),
+            Pane::Validation => hold(ui, |ui| self.validation_pane(ui)),
+            Pane::Diff => hold(ui, |ui| self.diff_pane(ui)),
+            Pane::Merge => hold(ui, |ui| self.merge_pane(ui)),
             Pane::History => {
                 self.file_steps(ui);
                 if let Some(index) = hold(ui, |ui| history::show(ui, &self.history))

@@ -178,7 +178,7 @@ impl App {
         let preview = format!("Preview {width} × {height}{rays}{edit}");
         let graph = self.preview.frame_graph().map_or_else(String::new, |(times, problem)| status::frame_text(times, problem));
         let snapshot = self.final_view.as_ref().and_then(LiveFinal::current);
-        let (picture, details) = match (self.has_final(), snapshot) {
+        let (picture, details) = match (self.has_final() && self.is_view_seen(), snapshot) {
             (true, Some(snapshot)) => {
                 let details = status::final_details(snapshot, stop);
                 let shown = if self.editor.view.mode.has_preview() {
@@ -220,6 +220,8 @@ impl App {
             let progress = Some(costs.lobes.len() as f32 / LOBES.len() as f32);
             list.push(Work { progress, ends: Some(Ends::Costs), ..Work::new("Measuring lobes") });
         }
+        list.extend(self.check_work());
+        list.extend(self.compare.work());
         if self.library_work.is_editing() {
             list.push(Work::new("Writing files of the library"));
         }
@@ -235,8 +237,12 @@ impl App {
             list.push(Work { progress, ends: Some(Ends::Debug), ..Work::new("Looking at the surface") });
         }
         let is_unfinished = |snapshot: &&std::sync::Arc<Snapshot>| snapshot.done.is_none();
-        if let Some(snapshot) =
-            self.final_view.as_ref().filter(|_| self.has_final()).and_then(LiveFinal::current).filter(is_unfinished)
+        if let Some(snapshot) = self
+            .final_view
+            .as_ref()
+            .filter(|_| self.has_final() && self.is_view_seen())
+            .and_then(LiveFinal::current)
+            .filter(is_unfinished)
         {
             let end = status::end(snapshot, &self.editor.view.stop).map(|(end, _)| end);
             let progress = end.map(|end| (snapshot.seconds / end.max(1e-3)).clamp(0.0, 1.0) as f32);
@@ -256,6 +262,9 @@ impl App {
             Ends::SmallPictures => self.small.cancel(),
             Ends::Export => self.end_export(),
             Ends::Debug => self.debug.end(),
+            Ends::Check => self.end_check(),
+            Ends::Release => self.end_release(),
+            Ends::PictureDiff => self.compare.end(),
             Ends::Costs => self.costs.cancel(),
             Ends::FinalView => self.carry_out(Command::ShowPreview, ctx),
         }

@@ -46,7 +46,12 @@ impl App {
         view.compares_sides && self.sides.stored().is_some() && matches!(view.mode, ViewMode::Both | ViewMode::Wipe)
     }
 
-    /// Whether the path tracer's picture is visible.
+    /// Whether the view is drawn, and not behind another tab.
+    pub(super) fn is_view_seen(&self) -> bool {
+        self.view_rect != egui::Rect::NOTHING
+    }
+
+    /// Whether the path tracer's picture is visible where the view is.
     pub(super) fn has_final(&self) -> bool {
         self.editor.view.mode.has_final() && !self.is_comparing()
     }
@@ -56,7 +61,7 @@ impl App {
         if gesture::take_cancel(ctx) {
             self.editor.document.material = self.history.cancel().clone();
         }
-        let wants_final = self.has_final();
+        let wants_final = self.has_final() && self.is_view_seen();
         let aspect = self.picture_size.0 as f32 / self.picture_size.1 as f32;
         if let (Some(model), Some(environment)) = (self.editor.model.clone(), self.editor.environment.clone()) {
             let now = Sent {

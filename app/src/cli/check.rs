@@ -5,7 +5,8 @@
 use super::progress_line::ProgressLine;
 use super::scene_options::SceneOptions;
 use super::{CliError, Outcome, interrupt, print_out};
-use crate::library::check::{Checked, Options, Row, check_files, report};
+use crate::library::check::report::{counts, json_object, text_row};
+use crate::library::check::{Checked, Options, check_files};
 use crate::library::scan::Progress;
 use crate::library::walk::walk;
 use clap::Args;
@@ -33,7 +34,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Outcome, CliError> {
     let options = Options { threads: SceneOptions::default().threads(), ..Options::default() };
     let checked = with_progress("checking", |tell| check_files(&files, &options, tell, &interrupt::is_interrupted))?;
     if arguments.json {
-        print_out(&report::json(&checked).to_string())?;
+        print_out(&json_object(&checked).to_string())?;
     } else {
         let lines: String = checked.rows.iter().map(text_row).collect();
         print_out(&format!("{lines}{}", counts(&checked)))?;
@@ -56,19 +57,6 @@ pub(super) fn with_progress<T>(what: &str, work: impl FnOnce(&(dyn Fn(Progress) 
 /// Exit code 1 from the first error; where it is strict, from the first warning.
 pub(super) fn outcome(checked: &Checked, is_strict: bool) -> Outcome {
     if checked.errors > 0 || (is_strict && checked.warnings > 0) { Outcome::Findings } else { Outcome::Done }
-}
-
-/// `3 files, 1 error, 0 warnings`.
-pub(super) fn counts(checked: &Checked) -> String {
-    let counts = [(checked.files, "file"), (checked.errors, "error"), (checked.warnings, "warning")];
-    counts.map(|(n, word)| format!("{n} {word}{}", if n == 1 { "" } else { "s" })).join(", ")
-}
-
-/// One line for people.
-pub(super) fn text_row(row: &Row) -> String {
-    let line = row.line.map_or_else(String::new, |line| format!(":{line}"));
-    let key = if row.key.is_empty() { String::new() } else { format!("{}: ", row.key) };
-    format!("{}{line}: {}: {key}{}\n", row.path.display(), row.severity.word(), row.message)
 }
 
 /// All material files among the paths and below them, each once, in the order of their names.

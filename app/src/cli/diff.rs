@@ -5,19 +5,13 @@ use super::scene_options::{SceneOptions, positive};
 use super::target::{has_ending, refuse_target};
 use super::{CliError, Messages, Outcome, interrupt, one_line, print_out};
 use crate::files::save_atomic;
-use crate::heatmap::heatmap;
+use crate::picture_diff::{self, Drawing};
 use burnish_material::diff::{Change, file_changes};
-use burnish_renderer::metrics::flip;
-use burnish_renderer::path::{Prepared, Settings, StopRules, render_prepared};
 use burnish_renderer::tonemap::Display;
 use clap::Args;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
-
-/// Error at which each of the two pictures is done: 2 %.
-const RELMSE: f64 = 0.0004;
 
 /// Arguments of `burnish diff`.
 #[derive(Debug, Args)]
@@ -126,40 +120,24 @@ fn default_of(change: &Change) -> Option<Value> {
 /// Renders both and writes them with their difference. Returns the mean of FLIP.
 fn draw(arguments: &DiffArguments, path: &Path, messages: &mut Messages) -> Result<f64, CliError> {
     let options = &arguments.scene;
-    let display = Display { exposure_ev: options.exposure_ev(), ..Display::default() };
-    let mut last: Option<Prepared> = None;
-    let mut picture = |text: &str| {
-        let loaded = options.load(Some(text), None, messages)?;
-        let (width, height) = (loaded.width, loaded.height);
-        let stop = StopRules { spp: None, seconds: Some(arguments.time), relmse: Some(RELMSE) };
-        let settings = Settings { width, height, seed: options.seed, threads: options.threads(), stop, is_adaptive: true };
-        let start = Instant::now();
-        let prepared = &*last.insert(Prepared::new(&loaded.scene, last.as_ref()));
-        let rendering = render_prepared(prepared, &settings, start, &mut |_| !interrupt::is_interrupted());
-        interrupt::check()?;
-        let shown: Vec<[f32; 3]> = rendering.film.mean().iter().map(|rgb| display.apply(*rgb)).collect();
-        Ok::<_, CliError>((shown, width))
+    let mut load = |text: &str| options.load(Some(text), None, messages);
+    let (a, b) = (load(&arguments.a)?, load(&arguments.b)?);
+    let drawing = Drawing {
+        size: [a.width, a.height],
+        seed: options.seed,
+        threads: options.threads(),
+        seconds: arguments.time,
+        display: Display { exposure_ev: options.exposure_ev(), ..Display::default() },
     };
-    let ((a, width), (b, _)) = (picture(&arguments.a)?, picture(&arguments.b)?);
-    let errors = flip(&a, &b, width);
-    let map = heatmap(&errors, width);
-    let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-    let row_of = |picture: &[[f32; 3]], y: usize| -> Vec<u8> {
-        let pixels = picture.get(y * width..(y + 1) * width);
-        // The map has a bar below, the others have nothing.
-        pixels.map_or_else(|| vec![0; 3 * width], |pixels| pixels.as_flattened().iter().map(|x| byte(*x)).collect())
-    };
-    let mut bytes = Vec::with_capacity(9 * width * map.height);
-    for y in 0..map.height {
-        bytes.extend(row_of(&a, y));
-        bytes.extend(row_of(&b, y));
-        bytes.extend(&map.bytes[3 * width * y..3 * width * (y + 1)]);
-    }
+    let drawn = picture_diff::draw([&a.scene, &b.scene], &drawing, &mut |_| {}, &interrupt::is_interrupted);
+    interrupt::check()?;
+    let drawn = drawn.ok_or(CliError::Interrupted)?;
+    let (bytes, width, height) = drawn.beside_each_other();
     let mut png = Vec::new();
     // Sides of pictures are far below the limit of PNG.
     PngEncoder::new(&mut png)
-        .write_image(&bytes, 3 * width as u32, map.height as u32, ExtendedColorType::Rgb8)
+        .write_image(&bytes, width as u32, height as u32, ExtendedColorType::Rgb8)
         .map_err(|error| CliError::unusable(format!("--image: {}: cannot be written: {error}", path.display())))?;
     save_atomic(path, &png).map_err(CliError::unusable)?;
-    Ok(errors.iter().map(|error| f64::from(*error)).sum::<f64>() / errors.len().max(1) as f64)
+    Ok(drawn.mean)
 }

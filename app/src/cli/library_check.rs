@@ -1,14 +1,14 @@
 //! `burnish library check`: whether a folder of materials can be handed out, and what became of it since an earlier release.
 
-use super::check::{counts, outcome, text_row, with_progress};
+use super::check::{outcome, with_progress};
 use super::library::{Read, read, standard_setup};
 use super::scene_options::{SceneOptions, threads};
 use super::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::digest::Digest;
-use crate::library::check::against::{Against, Changed, LookChange, compare};
-use crate::library::check::{Checked, Kind, Options, Shelved, check_library, report};
+use crate::library::check::against::compare;
+use crate::library::check::report::{Timing, json_library, text};
+use crate::library::check::{Options, Shelved, check_library};
 use clap::Args;
-use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -59,12 +59,9 @@ pub(super) fn run(arguments: &LibraryCheckArguments) -> Result<Outcome, CliError
     };
     let rate = checked.files as f64 / seconds.max(1e-9);
     if arguments.json {
-        let mut object = report::json(&checked);
-        object["seconds"] = seconds.into();
-        object["read_seconds"] = new.seconds.into();
-        object["files_per_second"] = rate.into();
-        object["against"] = against.as_ref().map_or(Value::Null, |against| json_against(against, arguments.against.as_deref()));
-        object["notices"] = messages.warnings().into();
+        let timing = Timing { seconds, read_seconds: new.seconds };
+        let against = against.as_ref().zip(arguments.against.as_deref());
+        let object = json_library(&checked, against, timing, messages.warnings());
         print_out(&object.to_string())?;
     } else {
         print_out(&text(&checked, against.as_ref()))?;
@@ -75,78 +72,4 @@ pub(super) fn run(arguments: &LibraryCheckArguments) -> Result<Outcome, CliError
 
 fn shelved<'a>(root: &'a Path, read: &'a Read, setup: Digest) -> Shelved<'a> {
     Shelved { root, entries: &read.scanned.index.entries, shelf: &read.shelf, setup }
-}
-
-fn text(checked: &Checked, against: Option<&Against>) -> String {
-    let is_listed = |kind| kind != Kind::Thumbnail;
-    let mut text: String = checked.rows.iter().filter(|row| is_listed(row.kind)).map(text_row).collect();
-    if let Some(against) = against {
-        let paths = |word: &str, paths: &[PathBuf]| -> String {
-            paths.iter().map(|path| format!("{word:<8} {}\n", path.display())).collect()
-        };
-        text += &paths("added", &against.added);
-        text += &paths("removed", &against.removed);
-        against.changed.iter().for_each(|changed| text += &text_changed(changed));
-        let count = |is: &dyn Fn(&Changed) -> bool| against.changed.iter().filter(|changed| is(changed)).count();
-        text += &format!(
-            "{} added, {} removed, {} changed by value, {} changed in look, {} of which the look is not known, {} unchanged\n",
-            against.added.len(),
-            against.removed.len(),
-            count(&|changed| changed.is_by_value),
-            count(&|changed| matches!(changed.look, LookChange::Changed(_))),
-            count(&|changed| changed.look == LookChange::Unknown),
-            against.unchanged
-        );
-    }
-    let pictures = checked.rows.iter().filter(|row| !is_listed(row.kind)).count();
-    if pictures > 0 {
-        text += &format!("{pictures} small pictures are stale or missing; `burnish library thumbnails` makes them\n");
-    }
-    text + &counts(checked)
-}
-
-fn text_changed(changed: &Changed) -> String {
-    let path = changed.path.display();
-    if let Some(problem) = &changed.problem {
-        return format!("changed  {path}: cannot be compared: {problem}\n");
-    }
-    let keys: Vec<&str> = changed.changes.iter().map(|change| change.key.as_str()).collect();
-    let keys = match (keys.is_empty(), changed.is_by_value) {
-        (false, _) => keys.join(", "),
-        (true, true) => "images".to_owned(),
-        (true, false) => "spelling".to_owned(),
-    };
-    let look = match changed.look {
-        LookChange::Same(_) => "looks the same".to_owned(),
-        LookChange::Changed(distance) => format!("looks {:.1} % different", 100.0 * distance),
-        LookChange::Unknown => "look not known".to_owned(),
-    };
-    format!("changed  {path}: {keys}; {look}\n")
-}
-
-fn json_against(against: &Against, folder: Option<&Path>) -> Value {
-    let names = |paths: &[PathBuf]| -> Vec<String> { paths.iter().map(|path| path.to_string_lossy().into_owned()).collect() };
-    let changed = against.changed.iter().map(|changed| {
-        let (look, distance) = match changed.look {
-            LookChange::Same(distance) => ("same", Some(distance)),
-            LookChange::Changed(distance) => ("changed", Some(distance)),
-            LookChange::Unknown => ("not known", None),
-        };
-        let changes = changed.changes.iter().map(|change| json!({ "property": change.key, "a": change.a, "b": change.b }));
-        json!({
-            "path": changed.path.to_string_lossy(),
-            "by_value": changed.is_by_value,
-            "look": look,
-            "distance": distance,
-            "changed": changes.collect::<Vec<_>>(),
-            "problem": changed.problem,
-        })
-    });
-    json!({
-        "folder": folder.map(Path::to_string_lossy),
-        "added": names(&against.added),
-        "removed": names(&against.removed),
-        "changed": changed.collect::<Vec<_>>(),
-        "unchanged": against.unchanged,
-    })
 }

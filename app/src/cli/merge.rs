@@ -1,6 +1,6 @@
 //! `burnish merge`: two versions of a material and what both were made from become one.
 //!
-//! The result is A's text with only what B changed replaced. Where names were changed to two different ones, one is kept as the tag `alias:NAME`.
+//! The result is A's text with only what B changed replaced. Where names were changed to two different ones, one is kept among the `aliases` of the file, which searches find.
 
 use super::material_argument::load_file;
 use super::target::refuse_target;

@@ -218,7 +218,7 @@ fn sentence_of(error: &clap::Error) -> String {
 }
 
 /// The text with every run of white space and line ends as one space, so that a message stays in its line.
-fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 

@@ -178,6 +178,57 @@ pub fn create(folder: &Path, name: &str, text: String) -> Planned {
     planned
 }
 
+/// Plans that a file takes in another one that is the same material: it gets the other's names as aliases, its tags, and the texts that it lacks;
+/// values stay as they are. The other file goes.
+pub fn unite(path: &Path, other: &Path) -> Planned {
+    let mut planned = Planned::new(format!("Merge {} into {}", stem(other), stem(path)));
+    let name_of = |path: &Path, material: &Material| match material.name.trim() {
+        "" => stem(path),
+        name => name.to_owned(),
+    };
+    let united = read(path).and_then(|before| {
+        let gone = read(other).map_err(|problem| format!("{}: {problem}", other.display()))?;
+        let (theirs, _) = MaterialFile::parse(&gone.text).map_err(|error| format!("{}: {error}", other.display()))?;
+        let theirs = theirs.material();
+        let text = edited(&before.text, |material| {
+            let own = name_of(path, material);
+            for name in std::iter::once(name_of(other, theirs)).chain(theirs.aliases.iter().cloned()) {
+                if name != own && !material.aliases.contains(&name) {
+                    material.aliases.push(name);
+                }
+            }
+            theirs.tags.iter().for_each(|tag| Change::AddTag(tag.clone()).apply(material));
+            let (mine, yours) = (&mut material.provenance, &theirs.provenance);
+            for (text, other) in [
+                (&mut material.notes, &theirs.notes),
+                (&mut mine.source, &yours.source),
+                (&mut mine.reference, &yours.reference),
+                (&mut mine.method, &yours.method),
+                (&mut mine.licence, &yours.licence),
+            ] {
+                if text.is_empty() {
+                    text.clone_from(other);
+                }
+            }
+        })?;
+        let kept = FileEdit { before: Some(before), after: Some(Content { path: path.to_path_buf(), text }) };
+        Ok([kept, FileEdit { before: Some(gone), after: None }])
+    });
+    match united {
+        Ok(edits) => planned.edit.files.extend(edits),
+        Err(problem) => planned.refused.push(format!("{}: {problem}", path.display())),
+    }
+    planned
+}
+
+/// Plans that a file that holds `before` holds `after`.
+pub fn replace(path: &Path, title: String, before: String, after: String) -> Planned {
+    let content = |text| Some(Content { path: path.to_path_buf(), text });
+    let mut planned = Planned::new(title);
+    planned.add(path, Ok(FileEdit { before: content(before), after: content(after) }));
+    planned
+}
+
 impl BatchEdit {
     /// The edit that takes this one back.
     pub fn reversed(&self) -> Self {

@@ -19,6 +19,8 @@ pub struct Entry {
     pub stamp: Stamp,
     /// Name of the material; that of the file where it has none.
     pub name: String,
+    /// Other names.
+    pub aliases: Vec<String>,
     /// Free words.
     pub tags: Vec<String>,
     /// The first 200 characters of the notes.
@@ -47,7 +49,7 @@ pub struct Entry {
     /// Hash of what can be seen: [`Entry::content`] without name, tags, notes and spelling. Names the small picture.
     #[serde(skip)]
     pub look: Digest,
-    /// Name, tags, group, notes and lobes in lower case, for searching.
+    /// Names, tags, group, notes and lobes in lower case, for searching.
     #[serde(skip)]
     pub(super) words: String,
 }
@@ -86,6 +88,7 @@ impl Entry {
         let mut entry = Self {
             path: path.to_path_buf(),
             name,
+            aliases: material.aliases.clone(),
             tags: material.tags.clone(),
             notes: material.notes.chars().take(NOTES).collect(),
             licence: material.provenance.licence.clone(),
@@ -112,7 +115,8 @@ impl Entry {
 
     /// Fills in what is not kept on disk, but for the hashes of images.
     pub(super) fn completed(mut self) -> Self {
-        let mut words = [&self.name, &self.tags.join(" "), &self.group(), &self.notes].map(|text| text.to_lowercase()).join("\n");
+        let texts = [&self.name, &self.aliases.join("\n"), &self.tags.join(" "), &self.group(), &self.notes];
+        let mut words = texts.map(|text| text.to_lowercase()).join("\n");
         for name in self.lobes().names(true) {
             words += "\n";
             words += name;
@@ -166,7 +170,13 @@ impl Entry {
     /// Bytes of memory that this takes, about.
     pub fn memory_bytes(&self) -> usize {
         let texts = [&self.name, &self.notes, &self.licence, &self.words];
-        let lists = self.tags.iter().chain(&self.textures).map(|text| size_of::<String>() + text.capacity()).sum::<usize>();
+        let lists = self
+            .aliases
+            .iter()
+            .chain(&self.tags)
+            .chain(&self.textures)
+            .map(|text| size_of::<String>() + text.capacity())
+            .sum::<usize>();
         let values = self.values.capacity() * size_of::<(u8, f32)>();
         size_of::<Self>() + self.path.as_os_str().len() + texts.iter().map(|text| text.capacity()).sum::<usize>() + lists + values
     }

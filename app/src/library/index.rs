@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Raised whenever an entry means something else than before.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Larger files are none of ours.
 const MAX_BYTES: u64 = 1 << 30;
 

@@ -19,6 +19,7 @@ mod scanner;
 pub mod setup;
 pub mod sheet;
 pub mod shelf;
+pub mod snapshot;
 pub mod walk;
 
 pub use entry::Entry;
@@ -37,6 +38,7 @@ use scan::Progress;
 use scanner::{Message, Scanner};
 use setup::Setup;
 use shelf::Shelf;
+use snapshot::Snapshot;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -292,6 +294,12 @@ impl Library {
     /// Takes other pictures from now on. Those of the old setup count as stale.
     pub fn set_setup(&mut self, setup: Arc<Setup>) {
         self.setup = Some(setup);
+    }
+
+    /// All that is known now, to be looked at on another thread; `None` in the first moments.
+    pub fn snapshot(&self) -> Option<Snapshot> {
+        let (root, entries, shelf) = (self.root.clone(), self.entries.clone(), self.shelf.clone());
+        Some(Snapshot { root, entries, shelf, setup: self.setup.as_ref()?.digest() })
     }
 
     /// How pictures are taken; `None` in the first moments.

@@ -1,6 +1,6 @@
 //! Searching a library: `metal rough<0.3 tag:measured group:metals -glass "two words" is:stale`.
 //!
-//! All terms must hold; `-` before one turns it over. A word is looked for at the beginning of words in name, tags, group, notes and names of lobes
+//! All terms must hold; `-` before one turns it over. A word is looked for at the beginning of words in name, other names, tags, group, notes and names of lobes
 //! in use, in any case. `PROPERTY<NUMBER`, also with `<=`, `>`, `>=` and `=`, compares a value by any clear beginning of the property's three
 //! names; of colours the luminance, of switches 0 or 1. What a texture replaces has no value.
 
@@ -106,7 +106,7 @@ impl What {
         let has_lobe = |lobe| entry.lobes().has(lobe);
         match self {
             Self::Word(word) => has_word(&entry.words, word),
-            Self::Name(word) => has_word(&entry.name.to_lowercase(), word),
+            Self::Name(word) => entry.aliases.iter().chain([&entry.name]).any(|name| has_word(&name.to_lowercase(), word)),
             Self::Tag(word) => entry.tags.iter().any(|tag| tag.to_lowercase().starts_with(word)),
             Self::Group(word) => has_word(&entry.group().to_lowercase(), word),
             Self::Licence(word) => has_word(&entry.licence.to_lowercase(), word),

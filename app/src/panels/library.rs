@@ -37,6 +37,8 @@ pub enum LibraryAction {
     Favour(Vec<PathBuf>, bool),
     /// Compare the document in front with this one.
     Compare(PathBuf),
+    /// Show what two of these differ in, or one and the document in front.
+    Diff(Vec<PathBuf>),
     /// Look for changes.
     Rescan,
     /// Open the page with the measured materials.
@@ -55,6 +57,8 @@ pub struct LibraryPanel {
     search: String,
     side: f32,
     selected: BTreeSet<PathBuf>,
+    /// A card to bring into sight.
+    sought: Option<PathBuf>,
     /// Where a range begins.
     anchor: Option<PathBuf>,
     /// What was found, for a text, a revision of the library, and a count of marks.
@@ -71,6 +75,7 @@ impl Default for LibraryPanel {
             search: String::new(),
             side: 92.0,
             selected: BTreeSet::new(),
+            sought: None,
             anchor: None,
             found: Vec::new(),
             found_for: None,
@@ -105,6 +110,17 @@ impl LibraryPanel {
     pub fn reset(&mut self) {
         let (side, makes_pictures) = (self.side, self.makes_pictures);
         *self = Self { side, makes_pictures, ..Self::default() };
+    }
+
+    /// Selected files, relative to the library's folder.
+    pub fn selected(&self) -> impl Iterator<Item = &PathBuf> {
+        self.selected.iter()
+    }
+
+    /// Selects a card and brings it into sight; a search that leaves it out is given up.
+    pub fn reveal(&mut self, path: PathBuf) {
+        self.selected = BTreeSet::from([path.clone()]);
+        (self.anchor, self.sought) = (Some(path.clone()), Some(path));
     }
 
     /// What was found has to be found anew, since marks have changed.
@@ -193,7 +209,19 @@ impl LibraryPanel {
         let rows = self.found.len().div_ceil(across);
         let mut sight = Vec::new();
         ui.spacing_mut().item_spacing = vec2(GAP, GAP);
-        ScrollArea::vertical().auto_shrink([false, false]).show_rows(ui, card.y, rows, |ui, shown| {
+        let mut area = ScrollArea::vertical().auto_shrink([false, false]);
+        if let Some(path) = self.sought.take_if(|_| library.progress().is_none()) {
+            let place = |panel: &Self| panel.found.iter().position(|number| library.entries()[*number].path == path);
+            match place(self) {
+                Some(place) => area = area.vertical_scroll_offset((place / across) as f32 * (card.y + GAP)),
+                None if !self.search.is_empty() => {
+                    self.search.clear();
+                    self.sought = Some(path);
+                }
+                None => {}
+            }
+        }
+        area.show_rows(ui, card.y, rows, |ui, shown| {
             for row in shown {
                 ui.horizontal(|ui| {
                     for place in row * across..((row + 1) * across).min(self.found.len()) {
@@ -336,6 +364,8 @@ impl LibraryPanel {
             item(ui, "Open", LibraryAction::Open(all.clone()));
             item(ui, "Apply to this material", LibraryAction::Apply(one.clone()));
             item(ui, "Compare with this material", LibraryAction::Compare(one.clone()));
+            let differences = if all.len() == 2 { "Differences of both" } else { "Differences from this material" };
+            item(ui, differences, LibraryAction::Diff(if all.len() == 2 { all.clone() } else { vec![one.clone()] }));
             ui.separator();
             item(ui, "Edit tags, licence, values…", LibraryAction::Edit(all.clone()));
             item(ui, "Rename…", LibraryAction::Rename(one));

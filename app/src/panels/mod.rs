@@ -3,11 +3,13 @@
 pub mod axis;
 pub mod batch_page;
 pub mod chart;
+pub mod diff;
 pub mod explain;
 pub mod help;
 pub mod history;
 pub mod library;
 pub mod measured_page;
+pub mod merge;
 pub mod messages;
 pub mod palette;
 pub mod preferences;
@@ -15,10 +17,13 @@ pub mod presets;
 pub mod properties;
 pub mod property_page;
 pub mod reference;
+pub mod release;
+pub mod source_picker;
 pub mod stability;
 pub mod status;
 pub mod texture_page;
 pub mod toolbar;
+pub mod validation;
 pub mod viewport;
 pub mod wipe;
 

@@ -185,7 +185,8 @@ fn about(ui: &mut Ui, document: &mut Document) {
     });
     let title = RichText::new("Notes and sources").color(theme::now().weak);
     CollapsingHeader::new(title).id_salt("notes").default_open(false).show_unindented(ui, |ui| {
-        tags_row(ui, &mut material.tags);
+        words_row(ui, "Other names", &mut material.aliases);
+        words_row(ui, "Tags", &mut material.tags);
         text_row(ui, "Notes", &mut material.notes, true);
         text_row(ui, "Source", &mut material.provenance.source, false);
         text_row(ui, "Reference", &mut material.provenance.reference, true);
@@ -217,13 +218,13 @@ fn text_row(ui: &mut Ui, name: &str, text: &mut String, is_long: bool) -> egui::
     .inner
 }
 
-/// Tags as one text with commas. While it is typed it may end in a comma, so the list takes it over when it is left.
-fn tags_row(ui: &mut Ui, tags: &mut Vec<String>) {
-    let id = ui.scope_id().with("tags");
-    let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| tags.join(", "));
-    let response = text_row(ui, "Tags", &mut text, false);
+/// Words as one text with commas. While it is typed it may end in a comma, so the list takes it over when it is left.
+fn words_row(ui: &mut Ui, name: &str, words: &mut Vec<String>) {
+    let id = ui.scope_id().with(name);
+    let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| words.join(", "));
+    let response = text_row(ui, name, &mut text, false);
     if response.lost_focus() {
-        *tags = text.split(',').map(|tag| tag.trim().to_owned()).filter(|tag| !tag.is_empty()).collect();
+        *words = text.split(',').map(|word| word.trim().to_owned()).filter(|word| !word.is_empty()).collect();
     }
     if response.has_focus() {
         ui.data_mut(|data| data.insert_temp(id, text));

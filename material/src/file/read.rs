@@ -93,7 +93,8 @@ impl<'a> Reader<'a> {
                 }
                 "name" => self.material.name = self.text_entry(node, "name"),
                 "notes" => self.material.notes = self.text_entry(node, "notes"),
-                "tags" => self.material.tags = self.tags(node),
+                "aliases" => self.material.aliases = self.texts(node, "aliases"),
+                "tags" => self.material.tags = self.texts(node, "tags"),
                 "unit_mm" => match number(self.text, &node.value) {
                     Ok(value) => {
                         self.material.unit_mm = Some(value);
@@ -236,11 +237,11 @@ impl<'a> Reader<'a> {
         Ok(path.map(|path| TextureRef { path, ..texture }))
     }
 
-    fn tags(&mut self, node: &Node) -> Vec<String> {
+    fn texts(&mut self, node: &Node, key: &str) -> Vec<String> {
         let items = tree::block_of(self.text, &node.value, b"[");
         let words: Option<Vec<_>> = items.and_then(|block| block.nodes.iter().map(|node| self.string(node)).collect());
         words.unwrap_or_else(|| {
-            self.refuse_kind(node, "tags", "a list [\"…\"] of texts");
+            self.refuse_kind(node, key, "a list [\"…\"] of texts");
             Vec::new()
         })
     }

@@ -21,7 +21,7 @@ pub(super) fn to_text(file: &MaterialFile, edited: &Material) -> String {
 pub(super) fn changed(a: &Material, b: &Material) -> usize {
     let slots = PROPERTIES.iter().filter(|def| !same_slot(a.slot(def.id), b.slot(def.id))).count();
     let provenance = TEXTS.iter().filter(|(_, get)| get(&a.provenance) != get(&b.provenance)).count();
-    let others = [a.name != b.name, a.tags != b.tags, a.notes != b.notes, !same_unit(a, b)];
+    let others = [a.name != b.name, a.aliases != b.aliases, a.tags != b.tags, a.notes != b.notes, !same_unit(a, b)];
     slots + provenance + others.into_iter().filter(|differs| *differs).count()
 }
 
@@ -61,7 +61,8 @@ impl<'a> Writer<'a> {
             _ => Fate::Write(string(new)),
         };
         self.entry(top, "name", text_fate(&old.name, &new.name), &mut changes);
-        self.tags(&new.tags, &mut changes);
+        self.texts("aliases", &old.aliases, &new.aliases, &mut changes);
+        self.texts("tags", &old.tags, &new.tags, &mut changes);
         self.entry(top, "notes", text_fate(&old.notes, &new.notes), &mut changes);
         let unit = match new.unit_mm {
             _ if same_unit(old, new) => Fate::Keep,
@@ -116,17 +117,16 @@ impl<'a> Writer<'a> {
         self.entry(&self.file.top, key, Fate::Write(format!("{{{lines}\n}}")), changes);
     }
 
-    fn tags(&mut self, new: &[String], changes: &mut Changes) {
-        let old = &self.file.material.tags;
+    fn texts(&mut self, key: &str, old: &[String], new: &[String], changes: &mut Changes) {
         if old == new {
             return;
         }
         let fate = if new.is_empty() { Fate::Remove } else { Fate::Write(list(new)) };
-        let node = self.file.top.get("tags");
+        let node = self.file.top.get(key);
         // An unreadable list reads as none, so that a list of equal length is the one that was read.
         let block = node.and_then(|node| self.block(&node.value, b"[")).filter(|block| block.nodes.len() == old.len());
         let Some(block) = block.filter(|_| !new.is_empty()) else {
-            return self.entry(&self.file.top, "tags", fate, changes);
+            return self.entry(&self.file.top, key, fate, changes);
         };
         if new.len() >= old.len() {
             for ((node, old), new) in block.nodes.iter().zip(old).zip(new) {
@@ -134,14 +134,14 @@ impl<'a> Writer<'a> {
                     self.edits.replace(node.value.clone(), string(new));
                 }
             }
-            let added: Vec<_> = new[old.len()..].iter().map(|tag| string(tag)).collect();
+            let added: Vec<_> = new[old.len()..].iter().map(|word| string(word)).collect();
             return self.edits.change_block(&block, &[], &added);
         }
         let mut rest = new.iter().peekable();
-        let removed: Vec<_> = (0..old.len()).filter(|index| rest.next_if(|tag| **tag == old[*index]).is_none()).collect();
+        let removed: Vec<_> = (0..old.len()).filter(|index| rest.next_if(|word| **word == old[*index]).is_none()).collect();
         match rest.peek() {
             None => self.edits.change_block(&block, &removed, &[]),
-            Some(_) => self.entry(&self.file.top, "tags", fate, changes),
+            Some(_) => self.entry(&self.file.top, key, fate, changes),
         }
     }
 
@@ -297,7 +297,8 @@ fn tuple(numbers: &[f64]) -> String {
     format!("({})", numbers.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", "))
 }
 
-fn list(words: &[String]) -> String {
+/// A list of texts on one line.
+pub(crate) fn list(words: &[String]) -> String {
     format!("[{}]", words.iter().map(|word| string(word)).collect::<Vec<_>>().join(", "))
 }
 

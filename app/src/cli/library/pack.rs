@@ -2,7 +2,7 @@
 
 use super::making::{self, SmallPictureOptions};
 use super::read;
-use crate::cli::check::{counts, text_row, with_progress};
+use crate::cli::check::with_progress;
 use crate::cli::progress_line::ProgressLine;
 use crate::cli::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::library::check::{Checked, Options, Shelved, check_library, report};
@@ -84,7 +84,7 @@ pub fn run(arguments: &PackArguments) -> Result<Outcome, CliError> {
         return Err(CliError::Stopped(format!("interrupted; {made} pictures were made and are kept, no pack was written")));
     };
     if !arguments.json {
-        let (out, counts) = (arguments.out.display(), counts(&checked));
+        let (out, counts) = (arguments.out.display(), report::counts(&checked));
         print_out(&format!(
             "{out}: packed; materials: {materials}, images: {images}, files: {files}, pictures made: {made}; check: {counts}"
         ))?;
@@ -125,7 +125,7 @@ fn json_object(
         "images": packed.map(|packed| packed.images),
         "files": packed.map(|packed| packed.files),
         "made": rows.iter().filter(|row| !row["seconds"].is_null()).count(),
-        "check": report::json(checked),
+        "check": report::json_object(checked),
         "rows": rows,
         "warnings": messages.warnings(),
     })
@@ -133,13 +133,13 @@ fn json_object(
 
 /// Prints the errors that stand against packing.
 fn refused(arguments: &PackArguments, checked: &Checked, messages: &Messages) -> Result<Outcome, CliError> {
-    let sentence = format!("not packed: {}; correct the errors, or --allow-errors packs all the same", counts(checked));
+    let sentence = format!("not packed: {}; correct the errors, or --allow-errors packs all the same", report::counts(checked));
     if arguments.json {
         let object = json_object(arguments, None, checked, Vec::new(), messages);
         print_out(&object.to_string())?;
     } else {
         let errors = checked.rows.iter().filter(|row| row.severity == Severity::Error);
-        print_out(&errors.map(text_row).collect::<String>())?;
+        print_out(&errors.map(report::text_row).collect::<String>())?;
     }
     eprintln!("error: {sentence}");
     Ok(Outcome::Findings)

@@ -7,13 +7,15 @@ use super::threads::Kept;
 use super::{Kind, Look, Options, Row, Shelved, doubts};
 use crate::digest::Digest;
 use crate::files::{self, FilesError};
-use burnish_material::{FileError, Material, MaterialFile, Severity};
+use burnish_material::{FileError, Material, MaterialFile, Severity, Warning};
 use burnish_renderer::stability::{self, Case};
 use image::ImageReader;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What was found of one file, and what it is compared with others by.
+#[derive(Clone)]
 pub(super) struct Report {
     pub rows: Vec<Row>,
     /// Name of the material, or of the file where it has none.
@@ -22,7 +24,7 @@ pub(super) struct Report {
     pub values: Option<Digest>,
     /// Where its images lie, in the order of the hash.
     pub images: Vec<PathBuf>,
-    pub look: Option<Look>,
+    pub look: Option<Arc<Look>>,
 }
 
 impl Report {
@@ -44,8 +46,19 @@ pub(super) struct Checker<'a> {
 impl Checker<'_> {
     /// Reads a file and everything about it that was asked for. `entry` is what the library knows of it.
     pub fn report(&self, path: &Path, entry: Option<&Entry>, kept: &mut Kept) -> Report {
+        self.report_of(path, files::read_material(path), entry, kept)
+    }
+
+    /// The same of what is not read from disk, or was.
+    pub fn report_of(
+        &self,
+        path: &Path,
+        read: Result<(MaterialFile, Vec<Warning>), FilesError>,
+        entry: Option<&Entry>,
+        kept: &mut Kept,
+    ) -> Report {
         let mut report = Report { rows: Vec::new(), name: stem(path), values: None, images: Vec::new(), look: None };
-        let (file, warnings) = match files::read_material(path) {
+        let (file, warnings) = match read {
             Ok(read) => read,
             Err(error) => {
                 let (line, message) = place(&error, path);
@@ -121,7 +134,7 @@ impl Checker<'_> {
                 report.add(path, None, Severity::Note, "", message.to_owned(), Kind::Thumbnail);
             }
             if !self.options.renders_looks {
-                report.look = library.look(entry);
+                report.look = library.look(entry).map(Arc::new);
             }
         }
         let Some(setup) = self.setup else { return };
@@ -130,7 +143,7 @@ impl Checker<'_> {
         // A picture that fails must not end the check of the others.
         let done = catch_unwind(AssertUnwindSafe(|| {
             if self.options.renders_looks {
-                report.look = Look::render(&scene, &mut kept.look, self.is_cancelled);
+                report.look = Look::render(&scene, &mut kept.look, self.is_cancelled).map(Arc::new);
             }
             let case = Case { name: report.name.clone(), scene };
             self.options.probes_stability.then(|| stability::probe(&case, &mut kept.probe, self.is_cancelled)).flatten()

@@ -6,11 +6,13 @@
 pub mod against;
 mod doubts;
 mod file;
+mod known;
 mod look;
 mod pairs;
 pub mod report;
 mod threads;
 
+pub use known::Known;
 pub use look::Look;
 pub use threads::map;
 
@@ -19,10 +21,12 @@ use super::scan::Progress;
 use super::setup::{Frame, Setup, Stage};
 use super::shelf::{Shelf, State};
 use crate::digest::Digest;
-use burnish_material::{FindingKind, Severity};
+use crate::files::FilesError;
+use burnish_material::{FindingKind, MaterialFile, Severity};
 use file::{Checker, Report};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use threads::Kept;
 
 /// Rows of one file that are listed; the others are counted in a last one.
 const MAX_ROWS: usize = 100;
@@ -144,7 +148,7 @@ impl Shelved<'_> {
 }
 
 /// How much is looked at.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// Threads; 0 counts as 1.
     pub threads: usize,
@@ -155,7 +159,7 @@ pub struct Options {
 }
 
 /// What was found.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Checked {
     /// By path, and in a file from its head to its neighbours.
     pub rows: Vec<Row>,
@@ -178,7 +182,14 @@ pub fn check_files(
     progress: &(dyn Fn(Progress) + Sync),
     is_cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Option<Checked> {
-    check(paths, None, options, progress, is_cancelled)
+    check(paths, None, options, &mut Known::default(), progress, is_cancelled)
+}
+
+/// Checks the text of one file that may not be saved; images are looked for beside its path.
+pub fn check_text(path: &Path, text: &str) -> Checked {
+    let read = MaterialFile::parse(text).map_err(|source| FilesError::Material { path: path.to_path_buf(), source });
+    let checker = Checker { library: None, options: &Options::default(), setup: None, is_cancelled: &|| false };
+    Checked { files: 1, ..collected([checker.report_of(path, read, None, &mut Kept::default())]) }
 }
 
 /// Checks a library that is to be handed out: values outside their range and missing images are errors, a missing
@@ -191,14 +202,26 @@ pub fn check_library(
     progress: &(dyn Fn(Progress) + Sync),
     is_cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Option<Checked> {
+    check_library_again(library, options, &mut Known::default(), progress, is_cancelled)
+}
+
+/// The same where some of it is known from before: only files that have changed are looked at, and all are compared with each other.
+pub fn check_library_again(
+    library: &Shelved<'_>,
+    options: &Options,
+    known: &mut Known,
+    progress: &(dyn Fn(Progress) + Sync),
+    is_cancelled: &(dyn Fn() -> bool + Sync),
+) -> Option<Checked> {
     let paths: Vec<PathBuf> = library.entries.iter().map(|entry| library.root.join(&entry.path)).collect();
-    check(&paths, Some(library), options, progress, is_cancelled)
+    check(&paths, Some(library), options, known, progress, is_cancelled)
 }
 
 fn check(
     paths: &[PathBuf],
     library: Option<&Shelved<'_>>,
     options: &Options,
+    known: &mut Known,
     progress: &(dyn Fn(Progress) + Sync),
     is_cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Option<Checked> {
@@ -208,11 +231,18 @@ fn check(
     let checker = Checker { library, options, setup: setup.as_ref(), is_cancelled };
     let mut reports: Vec<Report> = map(paths.len(), options.threads, progress, is_cancelled, |state, at| {
         let entry = library.and_then(|library| library.entries.get(at));
-        checker.report(&paths[at], entry.map(AsRef::as_ref), state)
+        let mut report = || checker.report(&paths[at], entry.map(AsRef::as_ref), state);
+        match library.zip(entry) {
+            Some((library, entry)) => known.get(library, entry, options).unwrap_or_else(&mut report),
+            None => report(),
+        }
     })?;
+    if let Some(library) = library {
+        known.set(library, &reports, options);
+    }
     let found = pairs::find(&reports, options.threads, is_cancelled)?;
 
-    let mut checked = Checked { files: paths.len(), ..Checked::default() };
+    let mut pairs = Vec::new();
     for pair in found {
         let (a, b) = (&paths[pair.first], &paths[pair.second]);
         let name = &reports[pair.first].name;
@@ -220,9 +250,15 @@ fn check(
             Kind::Value => format!("has the values and textures of {} ({name})", a.display()),
             _ => format!("looks like {} ({name}): {:.2} % apart", a.display(), 100.0 * pair.distance),
         };
-        checked.pairs.push(Pair { a: a.clone(), b: b.clone(), kind: pair.kind, distance: pair.distance });
+        pairs.push(Pair { a: a.clone(), b: b.clone(), kind: pair.kind, distance: pair.distance });
         reports[pair.second].add(b, None, Severity::Warning, "", message, pair.kind);
     }
+    Some(Checked { files: paths.len(), pairs, ..collected(reports) })
+}
+
+/// Rows of files and how many there are.
+fn collected(reports: impl IntoIterator<Item = Report>) -> Checked {
+    let mut checked = Checked::default();
     for report in reports {
         let count = |severity| report.rows.iter().filter(|row| row.severity == severity).count();
         checked.errors += count(Severity::Error);
@@ -235,5 +271,5 @@ fn check(
         }
         checked.rows.extend(rows);
     }
-    Some(checked)
+    checked
 }

@@ -50,7 +50,7 @@ pub(super) fn find(reports: &[Report], threads: usize, is_cancelled: &(dyn Fn() 
     }
     let is_value: BTreeSet<usize> = found.iter().map(|pair| pair.second).collect();
     let looks = reports.iter().enumerate().filter(|(at, _)| !is_value.contains(at));
-    found.extend(by_look(looks.filter_map(|(at, report)| Some((at, report.look.as_ref()?))), is_cancelled)?);
+    found.extend(by_look(looks.filter_map(|(at, report)| Some((at, report.look.as_deref()?))), is_cancelled)?);
     found.sort_by_key(|pair| pair.second);
     Some(found)
 }

@@ -169,7 +169,7 @@ impl Pack<'_> {
         // The pack lies elsewhere soon: its paths begin in itself.
         let prefix = format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR);
         let spelled = |text: &str| serde_json::Value::from(text).to_string().trim_matches('"').to_owned();
-        let text = format!("{:#}\n", report::json(&checked)).replace(&spelled(&prefix), "");
+        let text = format!("{:#}\n", report::json_object(&checked)).replace(&spelled(&prefix), "");
         write(&folder.join("check.json"), text.as_bytes())?;
         Ok(Some(scanned.index.entries))
     }

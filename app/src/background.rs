@@ -1,0 +1,183 @@
+//! One piece of work on a thread of its own that the window waits for: how far it is, how long yet, and an end before its time.
+
+use crate::work::{Ends, Work};
+use egui::Context;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::Instant;
+
+/// Shares below this are not worth a frame.
+const STEP: f32 = 0.004;
+/// Share from which the time that is left can be told.
+const TELLING: f32 = 0.02;
+
+/// What the thread tells and asks.
+pub struct Control {
+    share: AtomicU32,
+    is_cancelled: AtomicBool,
+    wake: Context,
+}
+
+impl Control {
+    fn new(ctx: &Context) -> Arc<Self> {
+        Arc::new(Self { share: AtomicU32::new(0), is_cancelled: AtomicBool::new(false), wake: ctx.clone() })
+    }
+
+    /// This share of the work is done, 0 to 1.
+    pub fn tell(&self, share: f32) {
+        let before = self.share();
+        if share - before >= STEP || share < before {
+            self.share.store(share.to_bits(), Ordering::Relaxed);
+            self.wake();
+        }
+    }
+
+    /// So many of all are done.
+    pub fn tell_count(&self, done: usize, total: usize) {
+        self.tell(done as f32 / total.max(1) as f32);
+    }
+
+    /// Whether nobody waits for it any more.
+    pub fn is_cancelled(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed)
+    }
+
+    fn share(&self) -> f32 {
+        f32::from_bits(self.share.load(Ordering::Relaxed))
+    }
+
+    fn wake(&self) {
+        self.wake.request_repaint();
+    }
+}
+
+struct Running<T> {
+    name: String,
+    since: Instant,
+    control: Arc<Control>,
+    receiver: Receiver<T>,
+}
+
+/// At most one piece of work, which a newer one takes the place of.
+pub struct Background<T> {
+    running: Option<Running<T>>,
+}
+
+impl<T> Default for Background<T> {
+    fn default() -> Self {
+        Self { running: None }
+    }
+}
+
+impl<T> Drop for Background<T> {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+impl<T> Background<T> {
+    /// Whether something is being worked at.
+    pub fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Gives up what is being worked at; whether that was anything.
+    pub fn cancel(&mut self) -> bool {
+        let running = self.running.take();
+        running.inspect(|running| running.control.is_cancelled.store(true, Ordering::Relaxed)).is_some()
+    }
+
+    /// How far it is.
+    pub fn share(&self) -> Option<f32> {
+        Some(self.running.as_ref()?.control.share())
+    }
+
+    /// The work for the list of all work.
+    pub fn work(&self, ends: Ends) -> Option<Work> {
+        let running = self.running.as_ref()?;
+        let share = running.control.share();
+        let seconds = running.since.elapsed().as_secs_f64();
+        let remaining = (share > TELLING).then(|| seconds * f64::from((1.0 - share) / share));
+        Some(Work { text: running.name.clone(), progress: Some(share), remaining, ends: Some(ends) })
+    }
+
+    /// What came of it, once; an error in one sentence if the program failed at it. `None` while it goes on, and where there is nothing.
+    pub fn poll(&mut self) -> Option<Result<T, String>> {
+        let running = self.running.as_ref()?;
+        let result = match running.receiver.try_recv() {
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => {
+                Err(format!("{}: it came to no end, because the program failed at it.", running.name))
+            }
+            Ok(done) => Ok(done),
+        };
+        self.running = None;
+        Some(result)
+    }
+}
+
+impl<T: Send + 'static> Background<T> {
+    /// Begins to work; what was being worked at is given up. `name` is for the list of all work.
+    pub fn start(&mut self, name: impl Into<String>, ctx: &Context, work: impl FnOnce(&Control) -> T + Send + 'static) {
+        self.cancel();
+        let (sender, receiver) = channel();
+        let control = Control::new(ctx);
+        let theirs = control.clone();
+        std::thread::spawn(move || {
+            // Nobody listens where it was given up.
+            _ = sender.send(work(&theirs));
+            drop(sender);
+            theirs.wake();
+        });
+        self.running = Some(Running { name: name.into(), since: Instant::now(), control, receiver });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+    use std::time::Duration;
+
+    fn wait<T>(work: &mut Background<T>) -> Result<T, String> {
+        let start = Instant::now();
+        loop {
+            assert!(start.elapsed() < Duration::from_secs(60));
+            match work.poll() {
+                Some(result) => return result,
+                None => std::thread::sleep(Duration::from_millis(1)),
+            }
+        }
+    }
+
+    #[test]
+    fn work_is_told_of_ended_and_done() {
+        let (ctx, gate) = (Context::default(), Arc::new(Mutex::new(())));
+        let mut work = Background::default();
+        assert!(work.poll().is_none() && work.work(Ends::Check).is_none() && !work.cancel());
+        let (held, theirs) = (gate.lock().unwrap(), gate.clone());
+        work.start("Sums", &ctx, move |control| {
+            control.tell_count(1, 4);
+            drop(theirs.lock());
+            if control.is_cancelled() { 0 } else { 4 }
+        });
+        while work.share() != Some(0.25) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let told = work.work(Ends::Check).unwrap();
+        assert_eq!((told.text.as_str(), told.progress, told.ends), ("Sums", Some(0.25), Some(Ends::Check)));
+        assert!(told.remaining.is_some_and(|seconds| seconds > 0.0) && work.poll().is_none());
+        drop(held);
+        assert_eq!(wait(&mut work), Ok(4));
+        work.start("Nothing", &ctx, |control| {
+            while !control.is_cancelled() {
+                std::thread::yield_now();
+            }
+            0
+        });
+        assert!(work.cancel() && !work.is_running());
+        work.start("Failing", &ctx, |_| panic!("on purpose"));
+        assert!(wait(&mut work).unwrap_err().starts_with("Failing: "));
+    }
+}
