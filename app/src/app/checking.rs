@@ -12,7 +12,7 @@ use crate::library::check::{Checked, Known, Options, check_library_again, check_
 use crate::library::snapshot::Snapshot;
 use crate::panels::library::LibraryAction;
 use crate::panels::release::{ReleaseAction, ReleasePanel, ReleaseView};
-use crate::panels::validation::{ValidationAction, ValidationPanel, ValidationView};
+use crate::panels::validation::{ValidationAction, ValidationPanel, ValidationView, search_words};
 use crate::sources::Source;
 use burnish_material::Property;
 use egui::{Context, Ui};
@@ -50,8 +50,8 @@ impl Subject {
     }
 }
 
-/// What was found, and how long that took.
-type Answer = Option<(Checked, f64)>;
+/// What was found, what its rows are found by, and how many seconds that took.
+type Answer = Option<(Checked, Vec<String>, f64)>;
 
 /// The check, the comparison, and their panels.
 #[derive(Default)]
@@ -63,6 +63,7 @@ pub(super) struct CheckWork {
     running: Background<Answer>,
     known: Arc<Mutex<Known>>,
     checked: Option<Arc<Checked>>,
+    words: Vec<String>,
     timing: Timing,
     note: Option<&'static str>,
     release: Release,
@@ -120,7 +121,8 @@ impl App {
     pub(super) fn mind_the_check(&mut self, ctx: &Context) {
         if let Some(done) = self.check.running.poll() {
             match done {
-                Ok(Some((checked, seconds))) => {
+                Ok(Some((checked, words, seconds))) => {
+                    self.check.words = words;
                     self.check.checked = Some(Arc::new(checked));
                     self.check.timing = Timing { seconds, read_seconds: 0.0 };
                 }
@@ -189,13 +191,19 @@ impl App {
                     let tell = |now: crate::library::scan::Progress| control.tell_count(now.done, now.total);
                     let is_cancelled = || control.is_cancelled();
                     let checked = check_library_again(&snapshot.shelved(), &options, &mut known, &tell, &is_cancelled)?;
-                    Some((checked, start.elapsed().as_secs_f64()))
+                    let seconds = start.elapsed().as_secs_f64();
+                    let words = search_words(&checked);
+                    Some((checked, words, seconds))
                 });
             }
             Subject::Document(document) => {
                 let path = document.path().map_or_else(|| PathBuf::from(document.title()), Path::to_path_buf);
                 let text = document.file().to_text(&document.material);
-                self.check.running.start("Checking the material", ctx, move |_| Some((check_text(&path, &text), 0.0)));
+                self.check.running.start("Checking the material", ctx, move |_| {
+                    let checked = check_text(&path, &text);
+                    let words = search_words(&checked);
+                    Some((checked, words, 0.0))
+                });
             }
         }
         self.check.asked = Some(subject);
@@ -262,6 +270,7 @@ impl App {
         let command = root.as_ref().map(|root| command_line(root, &options, against));
         let view = ValidationView {
             checked: self.check.checked.as_ref(),
+            words: &self.check.words,
             subject: &subject,
             root: root.as_deref(),
             options: &self.check.options,

@@ -42,6 +42,8 @@ pub enum ValidationAction {
 pub struct ValidationView<'a> {
     /// What was found; `None` before the first check is done.
     pub checked: Option<&'a Arc<Checked>>,
+    /// What each row and each pair is found by, see [`search_words`].
+    pub words: &'a [String],
     /// What is checked.
     pub subject: &'a str,
     /// The folder that paths are shown from.
@@ -73,6 +75,8 @@ pub struct ValidationPanel {
     hidden: [bool; 3],
     hides_pairs: bool,
     selected: Option<usize>,
+    /// How many rows there are of each severity.
+    counts: [usize; 3],
     lines: Vec<Line>,
     lines_for: Option<(Arc<Checked>, String, [bool; 3], bool)>,
 }
@@ -80,12 +84,14 @@ pub struct ValidationPanel {
 impl ValidationPanel {
     /// Shows the panel.
     pub fn show(&mut self, ui: &mut Ui, view: &ValidationView) -> Option<ValidationAction> {
+        if let Some(checked) = view.checked {
+            self.filter(checked, view.words);
+        }
         let mut action = self.head(ui, view);
         let Some(checked) = view.checked else {
             ui.label(RichText::new(if view.share.is_some() { "Checking…" } else { "Nothing was checked yet." }).weak());
             return action;
         };
-        self.filter(checked);
         if let Some(row) = self.selected.and_then(|at| checked.rows.get(at)) {
             let frame = Frame::new().inner_margin(egui::Margin { left: 0, right: 6, top: 3, bottom: 2 });
             egui::Panel::bottom("finding").frame(frame).show_separator_line(true).show(ui, |ui| {
@@ -102,8 +108,7 @@ impl ValidationPanel {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = egui::vec2(3.0, 3.0);
             for (at, (severity, one, many)) in SEVERITIES.into_iter().enumerate() {
-                let rows = view.checked.map_or(&[][..], |checked| &checked.rows);
-                let count = rows.iter().filter(|row| row.severity == severity && is_listed(row)).count();
+                let count = view.checked.map_or(0, |_| self.counts[at]);
                 let (mark, color) = mark(severity);
                 let words = if is_wide { format!(" {}", if count == 1 { one } else { many }) } else { String::new() };
                 let text = RichText::new(format!("{mark} {count}{words}")).color(color);
@@ -140,7 +145,7 @@ impl ValidationPanel {
     }
 
     /// Finds the lines to show, where something has changed.
-    fn filter(&mut self, checked: &Arc<Checked>) {
+    fn filter(&mut self, checked: &Arc<Checked>, texts: &[String]) {
         let is_same = self.lines_for.as_ref().is_some_and(|(known, search, hidden, hides)| {
             Arc::ptr_eq(known, checked) && *search == self.search && *hidden == self.hidden && *hides == self.hides_pairs
         });
@@ -150,23 +155,24 @@ impl ValidationPanel {
         if self.lines_for.as_ref().is_some_and(|(known, ..)| !Arc::ptr_eq(known, checked)) {
             self.selected = None;
         }
+        let is_of = |severity| move |row: &&Row| row.severity == severity && is_listed(row);
+        self.counts = SEVERITIES.map(|(severity, ..)| checked.rows.iter().filter(is_of(severity)).count());
         let search = self.search.to_lowercase();
         let words: Vec<&str> = search.split_whitespace().collect();
-        let holds = |text: String| words.iter().all(|word| text.to_lowercase().contains(word));
+        let holds = |text: &str| words.iter().all(|word| text.contains(word));
         self.lines.clear();
         if !self.hides_pairs {
-            let of = |pair: &Pair| holds(format!("{} {} pair", pair.a.display(), pair.b.display()));
-            self.lines.extend(checked.pairs.iter().enumerate().filter(|(_, pair)| of(pair)).map(|(at, _)| Line::Pair(at)));
+            let of = |at: &usize| texts.get(checked.rows.len() + at).is_some_and(|text| holds(text));
+            self.lines.extend((0..checked.pairs.len()).filter(of).map(Line::Pair));
         }
         let mut head: Option<usize> = None;
         for (at, row) in checked.rows.iter().enumerate() {
             let place = SEVERITIES.iter().position(|(severity, ..)| *severity == row.severity).unwrap_or(0);
-            let text = || format!("{} {} {} {}", row.path.display(), row.key, row.message, row.severity.word());
-            if self.hidden[place] || !is_listed(row) || !holds(text()) {
+            if self.hidden[place] || !is_listed(row) || !texts.get(at).is_some_and(|text| holds(text)) {
                 continue;
             }
             match head.and_then(|head| self.lines.get_mut(head)) {
-                Some(Line::File(first, count)) if checked.rows[*first].path == row.path => *count += 1,
+                Some(Line::File(first, count)) if checked.rows[*first].path.as_os_str() == row.path.as_os_str() => *count += 1,
                 _ => {
                     head = Some(self.lines.len());
                     self.lines.push(Line::File(at, 1));
@@ -363,6 +369,13 @@ fn menu(ui: &mut Ui, view: &ValidationView) -> Option<ValidationAction> {
     });
     report.response.accessible_name("Report of the check");
     action
+}
+
+/// What each row, and after them each pair, is found by, in lower case: of ten thousand files too much for a frame.
+pub fn search_words(checked: &Checked) -> Vec<String> {
+    let text = |row: &Row| format!("{} {} {} {}", row.path.display(), row.key, row.message, row.severity.word());
+    let pair = |pair: &Pair| format!("{} {} pair", pair.a.display(), pair.b.display());
+    checked.rows.iter().map(text).chain(checked.pairs.iter().map(pair)).map(|text| text.to_lowercase()).collect()
 }
 
 /// Small pictures that are stale are no fault of a file.
