@@ -4,6 +4,7 @@ mod actions;
 mod bars;
 mod documents;
 mod drops;
+mod exporting;
 mod job;
 mod keeping;
 mod library;
@@ -44,6 +45,7 @@ use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_material::{Material, Property};
 use documents::After;
 use egui::Ui;
+use exporting::Exporting;
 use keeping::Keeping;
 use library::LibraryWork;
 use rescue::Rescue;
@@ -114,6 +116,8 @@ pub struct App {
     screenshot: Option<Screenshot>,
     /// Pictures that threads are writing.
     pictures_to_write: usize,
+    /// Pictures and turntables to give away.
+    exporting: Exporting,
     written: Receiver<Result<String, String>>,
     writer: Sender<Result<String, String>>,
 }
@@ -176,6 +180,7 @@ impl App {
             keeping: Keeping::default(),
             screenshot: None,
             pictures_to_write: 0,
+            exporting: Exporting::default(),
             written,
             writer,
         };

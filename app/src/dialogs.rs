@@ -2,6 +2,7 @@
 //!
 //! A dialog never blocks the window: it is asked, and its answer polled.
 
+use crate::export::Format;
 use burnish_material::Property;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -30,6 +31,12 @@ pub enum Purpose {
     SavePng,
     /// Where to write the picture, linear.
     SaveExr,
+    /// Where to write a picture that is to be rendered.
+    RenderPicture(Format),
+    /// Where else to write a picture that was rendered.
+    WriteElsewhere(Format),
+    /// Where to write the frames of a turntable.
+    TurntableFolder,
 }
 
 impl Purpose {
@@ -44,6 +51,9 @@ impl Purpose {
             Self::LoadTextureSet => "Choose the folder of a texture set".into(),
             Self::LoadReference => "Load reference image".into(),
             Self::SavePng | Self::SaveExr => "Save picture".into(),
+            Self::RenderPicture(_) => "Render picture".into(),
+            Self::WriteElsewhere(_) => "Write the picture elsewhere".into(),
+            Self::TurntableFolder => "Choose the folder of the turntable".into(),
         }
     }
 
@@ -52,14 +62,16 @@ impl Purpose {
             Self::OpenMaterial | Self::SaveMaterial | Self::OpenLibrary => ("Material", &["ron"]),
             Self::LoadModel => ("Mesh", &["gltf", "glb", "ply"]),
             Self::LoadEnvironment => ("Environment", &["hdr", "exr"]),
-            Self::LoadTexture(_) | Self::LoadTextureSet | Self::LoadReference => ("Image", &["png", "jpg", "jpeg", "exr", "hdr"]),
-            Self::SavePng => ("PNG", &["png"]),
-            Self::SaveExr => ("OpenEXR", &["exr"]),
+            Self::LoadTexture(_) | Self::LoadTextureSet | Self::LoadReference | Self::TurntableFolder => {
+                ("Image", &["png", "jpg", "jpeg", "exr", "hdr"])
+            }
+            Self::SavePng | Self::RenderPicture(Format::Png) | Self::WriteElsewhere(Format::Png) => ("PNG", &["png"]),
+            Self::SaveExr | Self::RenderPicture(Format::Exr) | Self::WriteElsewhere(Format::Exr) => ("OpenEXR", &["exr"]),
         }
     }
 
     fn is_saving(self) -> bool {
-        matches!(self, Self::SaveMaterial | Self::SavePng | Self::SaveExr)
+        matches!(self, Self::SaveMaterial | Self::SavePng | Self::SaveExr | Self::RenderPicture(_) | Self::WriteElsewhere(_))
     }
 }
 
@@ -118,7 +130,7 @@ impl Dialogs for SystemDialogs {
         if purpose.is_saving() {
             let future = dialog.save_file();
             std::thread::spawn(move || wait(pollster::block_on(future)));
-        } else if purpose == Purpose::LoadTextureSet {
+        } else if matches!(purpose, Purpose::LoadTextureSet | Purpose::TurntableFolder) {
             let future = dialog.pick_folder();
             std::thread::spawn(move || wait(pollster::block_on(future)));
         } else {

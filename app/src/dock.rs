@@ -28,13 +28,15 @@ pub enum Pane {
     History,
     /// What was said.
     Messages,
+    /// Pictures and turntables to give away.
+    Export,
     /// A photo to look at and pick colours from.
     Reference,
 }
 
 impl Pane {
     /// All panes.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::View,
         Self::Library,
         Self::Folder,
@@ -44,6 +46,7 @@ impl Pane {
         Self::Stability,
         Self::History,
         Self::Messages,
+        Self::Export,
         Self::Reference,
     ];
 
@@ -59,6 +62,7 @@ impl Pane {
             Self::Stability => "Stability",
             Self::History => "History",
             Self::Messages => "Messages",
+            Self::Export => "Export",
             Self::Reference => "Reference",
         }
     }
@@ -68,6 +72,7 @@ impl Pane {
         match self {
             Self::View => vec2(340.0, 260.0),
             Self::Properties => vec2(386.0, 200.0),
+            Self::Export => vec2(300.0, 200.0),
             Self::Library | Self::Folder => vec2(216.0, 120.0),
             _ => vec2(150.0, 130.0),
         }
@@ -76,12 +81,15 @@ impl Pane {
     /// Points across above which a pane gains nothing, at the usual size of text.
     fn width_max(self) -> f32 {
         match self {
-            Self::Properties => 620.0,
+            Self::Properties | Self::Export => 620.0,
             Self::Library | Self::Folder => 560.0,
             _ => f32::INFINITY,
         }
     }
 }
+
+/// Panes that layouts of older versions lack, and beside which they come.
+const NEWER: [(Pane, Pane); 2] = [(Pane::Folder, Pane::Library), (Pane::Export, Pane::Properties)];
 
 /// Shares of a line before its panes were fitted, with what they were set to.
 type Fitted = (TileId, Vec<(TileId, f32, f32)>);
@@ -103,7 +111,7 @@ impl Default for Dock {
         let view = tab(&mut tiles, &[Pane::View]);
         let lobes = tab(&mut tiles, &[Pane::Lobes, Pane::Stability, Pane::History, Pane::Messages]);
         let chart = tab(&mut tiles, &[Pane::Chart]);
-        let properties = tab(&mut tiles, &[Pane::Properties]);
+        let properties = tab(&mut tiles, &[Pane::Properties, Pane::Export]);
         let reference = tab(&mut tiles, &[Pane::Reference]);
         let linear = |tiles: &mut Tiles<Pane>, dir, children: &[(TileId, f32)]| {
             let mut linear = Linear::new(dir, children.iter().map(|(id, _)| *id).collect());
@@ -126,12 +134,15 @@ impl Dock {
         Self { tree: Tree::empty(Id::unique("dock")) }
     }
 
-    /// Reads what [`Self::to_text`] wrote, also before there was a library; `None` if it is no layout with every pane once.
+    /// Reads what [`Self::to_text`] wrote, also before there were the newer panes; `None` if it is no layout with every pane once.
     pub fn from_text(text: &str) -> Option<Self> {
         let mut tree: Tree<Pane> = ron::from_str(text).ok()?;
-        if tree.tiles.find_pane(&Pane::Folder).is_none() {
-            let beside = tree.tiles.parent_of(tree.tiles.find_pane(&Pane::Library)?)?;
-            let id = tree.tiles.insert_pane(Pane::Folder);
+        for (newer, beside) in NEWER {
+            if tree.tiles.find_pane(&newer).is_some() {
+                continue;
+            }
+            let beside = tree.tiles.parent_of(tree.tiles.find_pane(&beside)?)?;
+            let id = tree.tiles.insert_pane(newer);
             match tree.tiles.get_mut(beside) {
                 Some(Tile::Container(container)) => container.add_child(id),
                 _ => return None,

@@ -13,6 +13,8 @@ pub enum Ends {
     Costs,
     /// Making small pictures.
     SmallPictures,
+    /// Rendering a picture or a turntable into files.
+    Export,
 }
 
 /// One piece of work.

@@ -11,8 +11,10 @@ use crate::live_denoise::DenoisedPicture;
 use crate::live_final::LiveFinal;
 use crate::loading::Job;
 use crate::pages::Page;
+use crate::panels::export::{ExportAction, Kind};
 use crate::sides::Side;
 use crate::widgets::value_edit::RowAction;
+use crate::work::Ends;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_material::Slot;
 use burnish_renderer::stability::Fix;
@@ -45,6 +47,8 @@ impl App {
             }
             Command::FlipSides | Command::CompareSides => self.sides.stored().is_some(),
             Command::NextTab | Command::PreviousTab => self.tabs.count() > 1,
+            Command::RenderPicture | Command::RenderTurntable => self.can_render(),
+            Command::StopRendering => !self.can_render(),
             Command::NextBookmark => !self.editor.view.bookmarks.is_empty(),
             _ => true,
         }
@@ -133,6 +137,15 @@ impl App {
             Command::LoadReference => self.ask(Purpose::LoadReference, ctx),
             Command::SavePng => self.ask(Purpose::SavePng, ctx),
             Command::SaveExr => self.ask(Purpose::SaveExr, ctx),
+            Command::RenderPicture => {
+                self.show_export(Kind::Picture);
+                self.export(ExportAction::Render, ctx);
+            }
+            Command::RenderTurntable => {
+                self.show_export(Kind::Turntable);
+                self.export(ExportAction::Start, ctx);
+            }
+            Command::StopRendering => self.end_work(Ends::Export, ctx),
             Command::Preferences => self.pages.open(Page::Preferences),
             Command::Quit => self.close_window(ctx),
             Command::Undo => {
@@ -254,7 +267,8 @@ impl App {
             | Command::ToggleChart
             | Command::ToggleStability
             | Command::ToggleHistory
-            | Command::ToggleMessages => {}
+            | Command::ToggleMessages
+            | Command::ToggleExport => {}
         }
     }
 
@@ -332,7 +346,10 @@ impl App {
         while let Some((purpose, path)) = self.dialogs.poll() {
             match path {
                 Some(path) => self.answered(purpose, path, ctx),
-                None => self.after_save = None,
+                None => {
+                    self.after_save = None;
+                    self.exporting.forget_answer();
+                }
             }
         }
         while let Ok(written) = self.written.try_recv() {
@@ -342,6 +359,7 @@ impl App {
                 Err(problem) => self.messages.error(problem),
             }
         }
+        self.collect_exports();
         while let Some(done) = self.loader.poll() {
             self.loaded(done);
         }
@@ -377,6 +395,7 @@ fn pane_of(command: Command) -> Option<Pane> {
         Command::ToggleStability => Pane::Stability,
         Command::ToggleHistory => Pane::History,
         Command::ToggleMessages => Pane::Messages,
+        Command::ToggleExport => Pane::Export,
         _ => return None,
     })
 }

@@ -207,6 +207,7 @@ impl App {
         if let Some(text) = self.loader.text() {
             list.push(Work { ends: Some(Ends::Loading), ..Work::new(text) });
         }
+        list.extend(self.exporting.work());
         if let Some((done, all)) = self.small.progress() {
             let progress = Some(done as f32 / all.max(1) as f32);
             list.push(Work {
@@ -255,6 +256,7 @@ impl App {
             Ends::SmallPictures => self.small.cancel(),
             Ends::Debug => self.debug.end(),
             Ends::Costs => self.costs.cancel(),
+            Ends::Export => self.exporting.live.cancel(),
             Ends::FinalView => self.carry_out(Command::ShowPreview, ctx),
         }
     }

@@ -4,6 +4,7 @@ pub mod axis;
 pub mod batch_page;
 pub mod chart;
 pub mod explain;
+pub mod export;
 pub mod help;
 pub mod history;
 pub mod library;
