@@ -72,7 +72,7 @@ impl Pane {
         match self {
             Self::View => vec2(340.0, 260.0),
             Self::Properties => vec2(386.0, 200.0),
-            Self::Export => vec2(300.0, 200.0),
+            Self::Export => vec2(340.0, 200.0),
             Self::Library | Self::Folder => vec2(216.0, 120.0),
             _ => vec2(150.0, 130.0),
         }

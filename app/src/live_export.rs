@@ -4,7 +4,7 @@ use crate::export::{ExportError, Picture};
 use crate::files::check_writable;
 use crate::offline::OfflineError;
 use crate::offline::picture::{self, Order, Rendered, View};
-use crate::offline::turntable::{Existing, Frame, PROBES, Prediction, Turntable, TurntableOrder};
+use crate::offline::turntable::{Begun, Existing, Frame, PROBES, Prediction, Turntable, TurntableOrder};
 use crate::offline::watch::{Step, Watch, error_text};
 use egui::Context;
 use std::path::{Path, PathBuf};
@@ -20,17 +20,25 @@ pub enum Task {
     Write(Unwritten, PathBuf),
     /// Some frames of a turntable a little, to tell how long all take.
     Predict(TurntableOrder),
+    /// To see whether a folder has a turntable that was begun before.
+    Look(PathBuf),
     /// The frames of a turntable that are due.
     Turntable(TurntableOrder),
 }
 
 impl Task {
+    /// Whether it needs all the threads there are.
+    pub fn is_heavy(&self) -> bool {
+        matches!(self, Self::Picture(_, View::Final, _) | Self::Predict(_) | Self::Turntable(_))
+    }
+
     /// What the list of work calls it.
     fn title(&self) -> &'static str {
         match self {
             Self::Picture(..) => "Rendering a picture",
             Self::Write(..) => "Writing a picture",
             Self::Predict(_) => "Predicting the turntable",
+            Self::Look(_) => "Looking into the folder",
             Self::Turntable(_) => "Rendering the turntable",
         }
     }
@@ -87,6 +95,8 @@ pub enum News {
     Rows(Vec<Row>),
     /// The frame of this place.
     Row(usize, Row),
+    /// The folder has a turntable that was begun before, with these frames, or none.
+    Begun(Option<Box<Begun>>, Vec<Row>),
     /// The picture was written: its files, the picture first, and what is told of it.
     Wrote(Vec<PathBuf>, String),
     /// The picture is there, but could not be written, and why.
@@ -168,7 +178,11 @@ impl LiveExport {
         // Looked at first: what is told last would be missed otherwise.
         let is_over = running.thread.is_finished();
         let mut news = std::mem::take(&mut running.shared.lock().news);
-        if is_over && let Some(running) = self.running.take() {
+        // A thread that has told everything ends at once.
+        let is_told = news.iter().any(|news| !matches!(news, News::Warning(_) | News::Rows(_) | News::Row(..)));
+        if (is_over || is_told)
+            && let Some(running) = self.running.take()
+        {
             let title = running.title;
             if running.thread.join().is_err() {
                 news.push(News::Failed(OfflineError::unusable(format!("{title}: ended by a fault of the program"))));
@@ -208,6 +222,12 @@ fn work(task: Task, shared: &Shared, ctx: &Context) {
             .map(|rendered| write(Unwritten(Box::new((order, view, rendered))), &out, &mut watch)),
         Task::Write(unwritten, out) => Ok(write(unwritten, &out, &mut watch)),
         Task::Predict(order) => turntable(&order, true, &say, &mut watch),
+        Task::Look(folder) => {
+            let begun = Begun::of(&folder).map(Box::new);
+            let rows = begun.iter().flat_map(|begun| &begun.rows).map(|(name, frame)| Row::new(name.clone(), frame.as_ref()));
+            let rows = rows.collect();
+            Ok(News::Begun(begun, rows))
+        }
         Task::Turntable(order) => turntable(&order, false, &say, &mut watch),
     };
     say(made.unwrap_or_else(News::Failed));

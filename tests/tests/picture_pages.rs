@@ -182,6 +182,15 @@ fn frames_that_hit_their_limit_are_marked_and_resumed() {
     assert_eq!(names(&out), ["frame_0001.exr", "frame_0002.exr", "frame_0003.exr", "turntable.json"]);
     let frame = out.join("frame_0003.exr");
     assert!(again(&frame, &out.join("again.exr")) == fs::read(&frame).expect("it is there"), "a frame is a picture like others");
+    // Another day the folder tells how it was begun.
+    let mut other = window_with(vec2(1280.0, 1000.0), vec![out.clone()], |app, _| app);
+    app_mut(&mut other).dock_mut().set_shown(Pane::Export, true);
+    app_mut(&mut other).export_panel_mut().kind = Kind::Turntable;
+    other.run_steps(3);
+    press_button(&mut other, "Choose the folder of the turntable");
+    until(&mut other, "the frames to be known", |app| !app.export_panel().rows.is_empty());
+    let (now, before) = (app(&other).export_panel(), app(&window).export_panel());
+    assert_eq!((now.frames, now.turn, now.format, now.size, &now.rows), (3, Turn::Light, Format::Exr, Some(SIZE), &before.rows));
     // With other settings the folder is not touched.
     app_mut(&mut window).export_panel_mut().size = Some([20, 20]);
     press(&mut window, Command::RenderTurntable);
@@ -253,10 +262,15 @@ fn folders_that_cannot_be_written_are_told_once() {
     assert_eq!(errors(&window).len(), 3, "{:?}", errors(&window));
     // It vanishes while minutes of work are done: they can go elsewhere.
     press_button(&mut window, "Picture");
-    app_mut(&mut window).export_panel_mut().stop = StopRules { spp: None, seconds: Some(0.5), relmse: None };
+    app_mut(&mut window).export_panel_mut().stop = StopRules { spp: None, seconds: Some(1.5), relmse: None };
     window.run_steps(2);
     press_button(&mut window, "Render to file…");
-    until(&mut window, "a sample", |app| app.export_work().is_some_and(|work| work.text.contains("spp")));
+    // Without frames, which may take long.
+    let start = Instant::now();
+    while app(&window).export_work().is_none_or(|work| !work.text.contains("spp")) {
+        assert!(start.elapsed() < PATIENCE, "no sample is taken");
+        std::thread::sleep(Duration::from_millis(1));
+    }
     fs::remove_dir_all(folder.path().join("gone")).expect("it can be removed");
     until_done(&mut window);
     assert_eq!(errors(&window).len(), 4, "{:?}", errors(&window));

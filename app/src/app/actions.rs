@@ -359,7 +359,7 @@ impl App {
                 Err(problem) => self.messages.error(problem),
             }
         }
-        self.collect_exports();
+        self.collect_exports(ctx);
         while let Some(done) = self.loader.poll() {
             self.loaded(done);
         }

@@ -6,10 +6,11 @@ use crate::dock::Pane;
 use crate::export::Format;
 use crate::files::texture_path;
 use crate::live_export::{LiveExport, News, Task, Unwritten};
-use crate::live_final::SEED;
+use crate::live_final::{LiveFinal, SEED};
 use crate::offline::OfflineError;
 use crate::offline::loaded_scene::{LoadedScene, Origin};
-use crate::offline::picture::Order;
+use crate::offline::picture::{Order, View};
+use crate::offline::picture_options::PictureOptions;
 use crate::offline::turntable::{KEEP_GIB, TurntableOrder};
 use crate::panels::export::turntable::percent;
 use crate::panels::export::{Around, ExportAction, ExportPanel, Kind};
@@ -118,7 +119,13 @@ impl App {
     pub(super) fn render_picture(&mut self, path: PathBuf, ctx: &Context) {
         let panel = &self.exporting.panel;
         let (stop, view) = (panel.stop, panel.view);
-        if let Some(order) = self.order(stop) {
+        if let Some(mut order) = self.order(stop) {
+            if view == View::Preview {
+                // What is set for the final view stays set, and has no meaning here.
+                let PictureOptions { display_transform, bits, half, .. } = order.options;
+                order.options = PictureOptions { display_transform, bits, half, ..PictureOptions::default() };
+                order.stop = Stop::default();
+            }
             self.start_export(Task::Picture(order, view, path), ctx);
         }
     }
@@ -144,15 +151,21 @@ impl App {
         if panel.folder.as_ref() != Some(&folder) {
             (panel.prediction, panel.rows) = (None, Vec::new());
         }
-        panel.folder = Some(folder);
-        if let Some(action) = self.exporting.after_folder.take() {
-            self.export(action, ctx);
+        panel.folder = Some(folder.clone());
+        if self.can_render() {
+            self.start_export(Task::Look(folder), ctx);
+        } else {
+            self.exporting.forget_answer();
         }
     }
 
     fn start_export(&mut self, task: Task, ctx: &Context) {
-        if let Err(problem) = self.exporting.live.start(task, ctx) {
-            self.messages.error(problem);
+        let is_heavy = task.is_heavy();
+        match self.exporting.live.start(task, ctx) {
+            // Both would take twice as long, and a time limit would mean half of the samples.
+            Ok(()) if is_heavy => self.final_view.iter_mut().for_each(LiveFinal::hold),
+            Ok(()) => {}
+            Err(problem) => self.messages.error(problem),
         }
     }
 
@@ -205,7 +218,12 @@ impl App {
     }
 
     /// Takes what was made in the background.
-    pub(super) fn collect_exports(&mut self) {
+    pub(super) fn collect_exports(&mut self, ctx: &Context) {
+        if self.can_render() && self.final_view.as_ref().is_some_and(LiveFinal::is_held) {
+            // Everything is told to it again.
+            self.sent = None;
+        }
+        let mut after = None;
         for news in self.exporting.live.collect() {
             let panel = &mut self.exporting.panel;
             match news {
@@ -215,6 +233,16 @@ impl App {
                     if let Some(old) = panel.rows.get_mut(place) {
                         *old = row;
                     }
+                }
+                News::Begun(begun, rows) => {
+                    if let Some(begun) = begun {
+                        self.messages.info(format!("The folder has a turntable of {} frames, which can go on.", begun.frames));
+                        (panel.frames, panel.turn, panel.degrees) = (begun.frames, begun.turn, begun.degrees);
+                        (panel.format, panel.size, panel.options) = (begun.format, Some(begun.size), begun.options);
+                        panel.rows = rows;
+                    }
+                    // What asked for the folder goes on.
+                    after = self.exporting.after_folder.take();
                 }
                 News::Wrote(files, text) => {
                     let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
@@ -247,6 +275,9 @@ impl App {
                 News::Failed(OfflineError::Cancelled) => self.messages.info("Rendering was ended; nothing was written."),
                 News::Failed(error) => self.messages.error(format!("Not rendered: {error}")),
             }
+        }
+        if let Some(action) = after {
+            self.export(action, ctx);
         }
     }
 

@@ -187,7 +187,9 @@ impl App {
                     String::new()
                 };
                 let details = format!("Final view, {width} × {height}\n{details}{shown}");
-                (format!("Final   {}", status::final_text(snapshot, stop)), details)
+                let held = self.final_view.as_ref().filter(|view| view.is_held());
+                let held = held.map_or("", |_| "waits for the rendering   ");
+                (format!("Final   {held}{}", status::final_text(snapshot, stop)), details)
             }
             (true, None) => ("Final   starting…".into(), String::new()),
             (false, _) => {
@@ -235,8 +237,12 @@ impl App {
             list.push(Work { progress, ends: Some(Ends::Debug), ..Work::new("Looking at the surface") });
         }
         let is_unfinished = |snapshot: &&std::sync::Arc<Snapshot>| snapshot.done.is_none();
-        if let Some(snapshot) =
-            self.final_view.as_ref().filter(|_| self.has_final()).and_then(LiveFinal::current).filter(is_unfinished)
+        if let Some(snapshot) = self
+            .final_view
+            .as_ref()
+            .filter(|view| self.has_final() && !view.is_held())
+            .and_then(LiveFinal::current)
+            .filter(is_unfinished)
         {
             let end = status::end(snapshot, &self.editor.view.stop).map(|(end, _)| end);
             let progress = end.map(|end| (snapshot.seconds / end.max(1e-3)).clamp(0.0, 1.0) as f32);

@@ -11,6 +11,7 @@ use super::develop::{Exposed, develop};
 use super::final_picture::left_out;
 use super::loaded_scene::LoadedScene;
 use super::picture::{Order, View};
+use super::picture_options::PictureOptions;
 use super::watch::{Step, Watch};
 use crate::export::{self, Format};
 use crate::files::save_atomic;
@@ -19,7 +20,7 @@ use crate::scene_file::MAX_PIXELS;
 use burnish_renderer::path::{self, Kept, Prepared, Rendering, Settings, StopReason, StopRules};
 use serde_json::json;
 use state::State;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Most frames of a turntable.
@@ -70,6 +71,53 @@ pub struct TurntableOrder {
     pub format: Format,
     /// Most GiB of samples that are stored for frames that stopped short.
     pub keep_gib: f64,
+}
+
+/// A turntable that was begun before.
+#[derive(Clone, Debug)]
+pub struct Begun {
+    /// How many frames.
+    pub frames: u32,
+    /// What turns.
+    pub turn: Turn,
+    /// How far all frames together turn.
+    pub degrees: f64,
+    /// Format of the frames.
+    pub format: Format,
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// What the frames hold.
+    pub options: PictureOptions,
+    /// What is known of each frame, with its name.
+    pub rows: Vec<(String, Option<Frame>)>,
+}
+
+impl Begun {
+    /// That of a folder; `None` where it has none that can be read.
+    pub fn of(folder: &Path) -> Option<Self> {
+        let (settings, known) = State::read(folder)?;
+        let frames = settings["frames"].as_u64().and_then(|n| u32::try_from(n).ok()).filter(|n| (1..=MAX_FRAMES).contains(n))?;
+        let word = |key: &str| settings[key].as_str().map(str::to_owned);
+        let (turn, format) = (word("turn")?, word("format")?);
+        let format = [Format::Png, Format::Exr].into_iter().find(|known| known.ending() == format)?;
+        let job: PictureJob = serde_json::from_value(settings["picture"].clone()).ok()?;
+        let row = |number: u32| (name(number, frames, format), known.get(&number).cloned());
+        Some(Self {
+            frames,
+            turn: Turn::ALL.into_iter().find(|(_, known)| *known == turn).map(|(turn, _)| turn)?,
+            degrees: settings["degrees"].as_f64()?,
+            format,
+            size: job.size,
+            options: PictureOptions::of_job(&job).ok()?,
+            rows: (0..frames).map(row).collect(),
+        })
+    }
+}
+
+/// Name of a frame's file.
+fn name(number: u32, frames: u32, format: Format) -> String {
+    let digits = frames.to_string().len().max(4);
+    format!("frame_{:0digits$}.{}", number + 1, format.ending())
 }
 
 /// A turntable with what is known of its frames.
@@ -129,8 +177,7 @@ impl Turntable {
 
     /// Name of a frame's file in the folder.
     pub fn name(&self, number: u32) -> String {
-        let digits = self.order.frames.to_string().len().max(4);
-        format!("frame_{:0digits$}.{}", number + 1, self.order.format.ending())
+        name(number, self.order.frames, self.order.format)
     }
 
     /// Renders some frames that are due a little and tells how long all of them will take; `None` where there are none. Their samples are the

@@ -182,23 +182,23 @@ impl ExportPanel {
             ui.add(Label::new(RichText::new(format!("⚠ {problem}")).small().color(theme::now().warning)).wrap());
         }
         ui.horizontal(|ui| {
-            let mut button = |ui: &mut Ui, text: &str, hint: &str, what: ExportAction| {
-                if ui.add_enabled(problem.is_none(), Button::new(text)).on_hover_text(hint).clicked() {
+            let mut button = |ui: &mut Ui, button: Button<'_>, hint: &str, what: ExportAction| {
+                if ui.add_enabled(problem.is_none(), button).on_hover_text(hint).clicked() {
                     action = Some(what);
                 }
             };
+            let size = vec2(120.0, 1.2 * ui.spacing().interact_size.y);
+            let main = |text: String| Button::new(text).min_size(size).fill(theme::now().selection);
             match self.kind {
                 Kind::Picture => {
-                    button(ui, "Render to file…", "Choose a file; it is rendered in the background", ExportAction::Render)
+                    let hint = "Choose a file; it is rendered in the background";
+                    button(ui, main("Render to file…".to_owned()), hint, ExportAction::Render);
                 }
                 Kind::Turntable => {
-                    button(ui, "Predict", "Render five frames a little, to tell how long all will take", ExportAction::Predict);
-                    button(
-                        ui,
-                        &self.start_text(),
-                        "Render the frames in the background, one after the other",
-                        ExportAction::Start,
-                    );
+                    let hint = "Render five frames a little, to tell how long all will take";
+                    button(ui, Button::new("Predict").min_size(vec2(80.0, size.y)), hint, ExportAction::Predict);
+                    let hint = "Render the frames in the background, one after the other";
+                    button(ui, main(self.start_text()), hint, ExportAction::Start);
                 }
             }
         });
@@ -212,10 +212,14 @@ impl ExportPanel {
 
 /// Rows of a name and what is set, under a title.
 fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
-    ui.add_space(4.0);
-    ui.label(RichText::new(title).strong().color(theme::now().strong));
+    heading(ui, title);
     let width = 92.0 * theme::text_scale(ui);
     Grid::new(title).num_columns(2).spacing(vec2(8.0, 4.0)).min_col_width(width).show(ui, content);
+}
+
+fn heading(ui: &mut Ui, title: &str) {
+    ui.add_space(4.0);
+    ui.label(RichText::new(title).strong().color(theme::now().strong));
 }
 
 fn row(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {

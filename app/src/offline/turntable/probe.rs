@@ -88,6 +88,19 @@ impl Prediction {
         (!seconds.is_empty()).then(|| seconds.iter().sum::<f64>() / seconds.len() as f64 * frames as f64)
     }
 
+    /// How many of the probes, and of how many, other rules end before an error.
+    pub fn limited(&self, relmse: f64) -> (usize, usize) {
+        let (ends, to_error) = (self.seconds(Some(relmse)), self.without_limits().seconds(Some(relmse)));
+        let pairs = ends.into_iter().flatten().zip(to_error.into_iter().flatten());
+        (pairs.filter(|(end, to_error)| end < to_error).count(), self.probes.len())
+    }
+
+    /// The same without other rules than the error.
+    #[must_use]
+    pub fn without_limits(&self) -> Self {
+        Self { rules: StopRules::default(), probes: self.probes.clone() }
+    }
+
     /// The probe that takes longest to an error, and its seconds.
     pub fn slowest(&self, relmse: Option<f64>) -> Option<(&str, f64)> {
         let seconds = self.seconds(relmse)?;
@@ -176,6 +189,8 @@ mod tests {
         }
         prediction.rules.seconds = Some(10.0);
         assert!(prediction.text(120).contains("20 min at 1 %"), "no frame takes longer than its limit");
+        assert_eq!((prediction.limited(1e-4), prediction.limited(9e-4)), ((2, 2), (1, 2)));
+        assert_eq!(prediction.without_limits().total(Some(1e-4), 2), Some(150.0));
         prediction.rules = StopRules { spp: Some(128), ..StopRules::default() };
         assert!(prediction.text(10).contains("4 min with these rules"), "{}", prediction.text(10));
         assert_eq!(chosen(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], 5), [0, 2, 4, 6, 8]);

@@ -11,6 +11,9 @@ use std::path::{Path, PathBuf};
 /// Larger files are not read: a curve has some dozens of points.
 const MAX_BYTES: u64 = 1 << 30;
 
+/// Name of the file that tells of a turntable that is not divided.
+const WHOLE: &str = "turntable.json";
+
 /// What becomes of a turntable that is in the folder already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
@@ -99,7 +102,7 @@ impl State {
         existing: Existing,
     ) -> Result<Self, OfflineError> {
         let name = match shard {
-            None => "turntable.json".to_owned(),
+            None => WHOLE.to_owned(),
             Some((part, parts)) => format!("turntable-{part}-of-{parts}.json"),
         };
         let path = folder.join(name);
@@ -129,6 +132,13 @@ impl State {
             )));
         }
         Ok(Self { path, content })
+    }
+
+    /// The settings and frames of a folder that has a whole turntable; `None` where it has none that can be read.
+    pub(super) fn read(folder: &Path) -> Option<(Value, BTreeMap<u32, Frame>)> {
+        let text = read_text_file(&folder.join(WHOLE), MAX_BYTES).ok()?;
+        let Content { settings, frames } = serde_json::from_str(&text).ok()?;
+        Some((settings, frames))
     }
 
     pub(super) fn frame(&self, number: u32) -> Option<&Frame> {

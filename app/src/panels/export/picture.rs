@@ -1,13 +1,15 @@
 //! What a picture holds: size, format, background, passes, denoising, and what ends it. Frames of a turntable are pictures.
 
-use super::{Around, ExportPanel, Kind, MAX_SIDE, note, row, section};
+use super::{Around, ExportPanel, Kind, MAX_SIDE, heading, note, row, section};
 use crate::export::{Format, LayerKind};
 use crate::offline::picture::View;
 use crate::offline::picture_options::{DEFAULT_SPP, Denoise};
 use crate::panels::preferences::choice;
 use crate::panels::{toolbar, viewport};
 use crate::scene_file::MAX_PIXELS;
+use crate::theme;
 use crate::widgets::number_field::{NumberField, Scale};
+use burnish_renderer::path::StopRules;
 use egui::{Button, Label, RichText, Ui};
 use std::path::Path;
 
@@ -45,9 +47,11 @@ impl ExportPanel {
             });
         });
         self.content(ui, around);
-        let mut stop = self.stop;
-        self.stop_rules(ui, &mut stop, " of the picture");
-        self.stop = stop;
+        if self.view == View::Preview {
+            note(ui, "The preview ends by itself, when it changes no more.");
+            return;
+        }
+        stop_rules(ui, &mut self.stop, " of the picture");
     }
 
     /// What pictures and frames have in common.
@@ -80,7 +84,7 @@ impl ExportPanel {
                 },
             );
         }
-        section(ui, "Passes", |_| {});
+        heading(ui, "Passes");
         ui.add_enabled_ui(is_final, |ui| {
             ui.horizontal_wrapped(|ui| {
                 for (kind, word) in LayerKind::ALL {
@@ -133,7 +137,7 @@ impl ExportPanel {
                 if new != old {
                     self.size = Some(new);
                 }
-                ui.checkbox(&mut self.keeps_proportions, "keep")
+                ui.checkbox(&mut self.keeps_proportions, "keep ratio")
                     .on_hover_text("Keep the proportions when one side changes")
                     .accessible_name("Keep proportions");
             });
@@ -160,18 +164,6 @@ impl ExportPanel {
         }
     }
 
-    /// What ends a picture; the names of the fields end in `of`.
-    pub(super) fn stop_rules(&self, ui: &mut Ui, stop: &mut burnish_renderer::path::StopRules, of: &str) {
-        section(ui, "Stop at, whichever comes first", |_| {});
-        ui.scope(|ui| {
-            ui.set_max_width(270.0 * crate::theme::text_scale(ui));
-            viewport::stop_rules(ui, stop, of);
-        });
-        if (stop.spp, stop.seconds, stop.relmse) == (None, None, None) {
-            note(ui, &format!("Without a rule: {DEFAULT_SPP} samples per pixel."));
-        }
-    }
-
     /// Why this cannot be made.
     pub(super) fn problem(&self, around: &Around<'_>) -> Option<String> {
         let [width, height] = self.size(around.view_size);
@@ -189,6 +181,18 @@ impl ExportPanel {
             }
             _ => None,
         }
+    }
+}
+
+/// What ends a picture; the names of the fields end in `of`.
+pub(super) fn stop_rules(ui: &mut Ui, stop: &mut StopRules, of: &str) {
+    heading(ui, "Stop at, whichever comes first");
+    ui.scope(|ui| {
+        ui.set_max_width(270.0 * theme::text_scale(ui));
+        viewport::stop_rules(ui, stop, of);
+    });
+    if *stop == StopRules::default() {
+        note(ui, &format!("Without a rule: {DEFAULT_SPP} samples per pixel."));
     }
 }
 

@@ -1,7 +1,7 @@
 //! A turntable: what turns, how far it is, how long it will take at which error, and its frames.
 
-use super::picture::whole;
-use super::{Around, ExportAction, ExportPanel, note, row, section};
+use super::picture::{stop_rules, whole};
+use super::{Around, ExportAction, ExportPanel, heading, note, row, section};
 use crate::live_export::{FrameState, Row};
 pub use crate::offline::turntable::duration;
 use crate::offline::turntable::{MAX_FRAMES, Turn};
@@ -48,18 +48,18 @@ impl ExportPanel {
             self.frame_list(ui);
         }
         self.predicted(ui);
-        let mut stop = self.frame_stop;
-        self.stop_rules(ui, &mut stop, " of a frame");
-        self.frame_stop = stop;
+        stop_rules(ui, &mut self.frame_stop, " of a frame");
         self.content(ui, around);
         action
     }
 
-    /// Frames that hit their limit, and those that are not finished.
+    /// Frames that hit their limit, and those that are not finished, or are to have a smaller error than they reached.
     fn counts(&self) -> (usize, usize) {
-        let count = |state: FrameState| self.rows.iter().filter(|row| row.state == state).count();
-        let (limited, done) = (count(FrameState::Limited), count(FrameState::Done));
-        (limited, self.rows.len() - done - limited)
+        let goal = self.frame_stop.relmse;
+        let is_short = |row: &&Row| row.relmse.zip(goal).is_some_and(|(reached, goal)| reached > goal);
+        let left =
+            self.rows.iter().filter(|row| row.state != FrameState::Limited && (row.state != FrameState::Done || is_short(row)));
+        (self.rows.iter().filter(|row| row.is_limited()).count(), left.count())
     }
 
     /// What the button says that starts.
@@ -81,12 +81,13 @@ impl ExportPanel {
         let due = *due;
         // The other rules may have changed since.
         prediction.rules = self.frame_stop;
-        section(ui, "Prediction", |_| {});
+        heading(ui, "Prediction");
+        let alone = prediction.without_limits();
         let listed = LISTED.iter().filter_map(|at| {
-            let total = prediction.total(Some((0.01 * at) * (0.01 * at)), due)?;
+            let total = alone.total(Some((0.01 * at) * (0.01 * at)), due)?;
             Some(format!("{at} %: {}", duration(total)))
         });
-        note(ui, &format!("{due} frames   {}", listed.collect::<Vec<_>>().join("   ")));
+        note(ui, &format!("All {due} frames to   {}", listed.collect::<Vec<_>>().join("   ")));
         let mut at = self.frame_stop.relmse.map_or(*PERCENT.end(), |relmse| 100.0 * relmse.sqrt());
         let slider = Slider::new(&mut at, PERCENT).logarithmic(true).suffix(" %").max_decimals(2);
         let response = ui.horizontal(|ui| {
@@ -101,7 +102,12 @@ impl ExportPanel {
         let text = match (prediction.total(relmse, due), prediction.slowest(relmse)) {
             (Some(total), Some((name, seconds))) => {
                 let goal = relmse.map_or_else(String::new, |relmse| format!(" at {}", percent(relmse)));
-                format!("About {} for {due} frames{goal}; the slowest, {name}, {}", duration(total), duration(seconds))
+                let limited = relmse.map(|relmse| prediction.limited(relmse)).filter(|(limited, _)| *limited > 0);
+                let limited = limited.map_or_else(String::new, |(limited, probes)| {
+                    format!("; other limits end {limited} of {probes} probes before that")
+                });
+                let (total, seconds) = (duration(total), duration(seconds));
+                format!("About {total} for {due} frames{goal}; the slowest, {name}, {seconds}{limited}")
             }
             _ => "The probes tell no error yet.".to_owned(),
         };
@@ -111,7 +117,7 @@ impl ExportPanel {
     fn frame_list(&self, ui: &mut Ui) {
         let (limited, left) = self.counts();
         let finished = self.rows.len() - left - limited;
-        section(ui, "Frames", |_| {});
+        heading(ui, "Frames");
         let marked = if limited > 0 { format!(", {limited} hit the time limit") } else { String::new() };
         note(ui, &format!("{finished} of {} done{marked}", self.rows.len()));
         let height = ui.text_style_height(&egui::TextStyle::Small);
