@@ -6,9 +6,6 @@ use crate::dialogs::Purpose;
 use crate::dock::Pane;
 use crate::editor::Document;
 use crate::editor::{Orbit, View, ViewMode};
-use crate::export::{self, Picture};
-use crate::live_denoise::DenoisedPicture;
-use crate::live_final::LiveFinal;
 use crate::loading::Job;
 use crate::pages::Page;
 use crate::panels::export::{ExportAction, Kind};
@@ -18,9 +15,7 @@ use crate::work::Ends;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_material::Slot;
 use burnish_renderer::stability::Fix;
-use burnish_renderer::worker::Snapshot;
 use egui::{Context, FocusDirection, Key, Modifiers, ViewportCommand};
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A third of a stop.
@@ -303,44 +298,6 @@ impl App {
         self.messages.info(info);
     }
 
-    /// Writes the picture that is shown, with what it was made from, on a thread of its own.
-    pub(super) fn write_picture(&mut self, path: PathBuf, ctx: &Context) {
-        let view = self.final_view.as_ref().filter(|_| self.has_final());
-        let denoised = view.and_then(LiveFinal::denoised);
-        let shown = denoised.map(|denoised| &denoised.raw).or_else(|| view.and_then(LiveFinal::newest));
-        let (mut picture, job) = if let Some(snapshot) = shown {
-            // A picture of before the last edit does not show what the document says.
-            let is_current = view.and_then(LiveFinal::current).is_some_and(|current| current.revision == snapshot.revision);
-            (final_picture(snapshot, denoised), self.job_of_final(snapshot, denoised, is_current))
-        } else {
-            match self.preview.read_linear() {
-                Ok((width, height, pixels)) => {
-                    let (width, height) = (width as usize, height as usize);
-                    (Picture { width, height, pixels, ..Picture::default() }, self.job_of_preview([width, height]))
-                }
-                Err(problem) => {
-                    self.messages.error(format!("The picture was not written: {problem}."));
-                    return;
-                }
-            }
-        };
-        let (width, height) = (picture.width, picture.height);
-        let note = denoised.map_or_else(String::new, |denoised| format!(". {}; the raw picture is kept", denoised.label()));
-        self.pictures_to_write += 1;
-        let (display, sender, ctx) = (self.editor.view.display, self.writer.clone(), ctx.clone());
-        std::thread::spawn(move || {
-            picture.job = Some(job.finished(&path).json());
-            let result = export::write(&path, &picture, display)
-                .map(|written| {
-                    let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-                    format!("Wrote {} ({width} × {height}){note}", names.join(", "))
-                })
-                .map_err(|error| error.to_string());
-            let _ = sender.send(result);
-            ctx.request_repaint();
-        });
-    }
-
     /// Takes what finished in the background.
     pub(super) fn collect(&mut self, ctx: &Context) {
         while let Some((purpose, path)) = self.dialogs.poll() {
@@ -398,17 +355,6 @@ fn pane_of(command: Command) -> Option<Pane> {
         Command::ToggleExport => Pane::Export,
         _ => return None,
     })
-}
-
-/// A picture of the final view for a file; with a denoised one goes the raw one.
-fn final_picture(raw: &Snapshot, denoised: Option<&DenoisedPicture>) -> Picture {
-    Picture {
-        width: raw.width,
-        height: raw.height,
-        pixels: denoised.map_or(&raw.pixels, |denoised| &denoised.picture.pixels).clone(),
-        raw: denoised.map(|_| raw.pixels.clone()),
-        ..Picture::default()
-    }
 }
 
 /// Exposure on whole thirds of a stop.

@@ -20,6 +20,7 @@ use crate::work::{Ends, Work};
 use burnish_renderer::path::StopRules;
 use egui::{Context, Ui};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// The panel, what is being made, and what waits for an answer.
 #[derive(Default)]
@@ -222,6 +223,10 @@ impl App {
         if self.can_render() && self.final_view.as_ref().is_some_and(LiveFinal::is_held) {
             // Everything is told to it again.
             self.sent = None;
+        }
+        if !self.can_render() {
+            // The thread may know only a window that was opened anew since.
+            ctx.request_repaint_after(Duration::from_millis(250));
         }
         let mut after = None;
         for news in self.exporting.live.collect() {

@@ -65,7 +65,7 @@ impl ExportPanel {
                     toolbar::transform_menu(ui, "Display transform of pictures", &mut around.display.transform, |_| {});
                 });
                 let ev = around.display.exposure_ev;
-                ui.label(RichText::new(format!("exposure {ev:+.2} EV, as the view")).small().weak());
+                ui.add(Label::new(RichText::new(format!("exposure {ev:+.2} EV, as the view")).small().weak()).truncate());
             });
             row(ui, "Background", |ui| {
                 ui.add_enabled(is_final, egui::Checkbox::new(&mut self.options.transparent, "transparent"));
