@@ -6,6 +6,7 @@ use crate::offline::OfflineError;
 use crate::offline::picture::{self, Order, Rendered, View};
 use crate::offline::turntable::{Begun, Existing, Frame, PROBES, Prediction, Turntable, TurntableOrder};
 use crate::offline::watch::{Step, Watch, error_text};
+use burnish_renderer::path::StopRules;
 use egui::Context;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -72,18 +73,20 @@ pub struct Row {
     pub relmse: Option<f64>,
     /// Seconds of rendering so far.
     pub seconds: f64,
+    /// What is known of it, but for its curve.
+    frame: Option<Frame>,
 }
 
 impl Row {
-    /// Whether its time was up before its error was reached.
-    pub fn is_limited(&self) -> bool {
-        self.state == FrameState::Limited
+    /// Whether it is to be rendered, or further, by these rules.
+    pub fn is_due(&self, rules: &StopRules) -> bool {
+        self.frame.as_ref().is_none_or(|frame| !frame.meets(rules))
     }
 
     fn new(name: String, frame: Option<&Frame>) -> Self {
         let Some(frame) = frame else { return Self { name, ..Self::default() } };
         let state = if frame.is_time_limited() { FrameState::Limited } else { FrameState::Done };
-        Self { name, state, relmse: frame.relmse_estimate, seconds: frame.seconds }
+        Self { name, state, relmse: frame.relmse_estimate, seconds: frame.seconds, frame: Some(frame.without_curve()) }
     }
 }
 

@@ -119,13 +119,13 @@ impl App {
     /// A file was chosen for a picture.
     pub(super) fn render_picture(&mut self, path: PathBuf, ctx: &Context) {
         let panel = &self.exporting.panel;
-        let (stop, view) = (panel.stop, panel.view);
+        let (stop, view, seconds) = (panel.stop, panel.view, panel.preview_seconds);
         if let Some(mut order) = self.order(stop) {
             if view == View::Preview {
                 // What is set for the final view stays set, and has no meaning here.
                 let PictureOptions { display_transform, bits, half, .. } = order.options;
                 order.options = PictureOptions { display_transform, bits, half, ..PictureOptions::default() };
-                order.stop = Stop::default();
+                order.stop = Stop { seconds, ..Stop::default() };
             }
             self.start_export(Task::Picture(order, view, path), ctx);
         }
@@ -261,7 +261,7 @@ impl App {
                 News::Predicted(None, _) => self.messages.info("All frames are finished: there is nothing to predict."),
                 News::Ended(done, all) => {
                     panel.prediction = None;
-                    let limited = panel.rows.iter().filter(|row| row.is_limited()).count();
+                    let (limited, _) = panel.due();
                     let goal = panel.frame_stop.relmse.map_or_else(String::new, |relmse| format!(" to {}", percent(relmse)));
                     let more = match (done == all, limited) {
                         (true, _) => String::new(),

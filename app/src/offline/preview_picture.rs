@@ -66,9 +66,11 @@ pub(super) fn preview(order: &Order, again: Option<&Repeat>, watch: &mut Watch<'
             if first_image_seconds == 0.0 {
                 first_image_seconds = load_seconds + start.elapsed().as_secs_f64();
             }
-            let share = (number as f64 + f64::from(drawn) / f64::from(frames.max(1))) / parts.len() as f64;
+            let by_time = room.map_or(0.0, |room| begin.elapsed().as_secs_f64() / room.max(1e-6));
+            let of_part = (f64::from(drawn) / f64::from(frames.max(1))).max(by_time).min(1.0);
+            let share = (number as f64 + of_part) / parts.len() as f64;
             let part = if parts.len() > 1 { format!("part {} of {}", number + 1, parts.len()) } else { String::new() };
-            let (seconds, share) = (start.elapsed().as_secs_f64(), Some(share.min(1.0)));
+            let (seconds, share) = (start.elapsed().as_secs_f64(), Some(share));
             (watch.tell)(&Step { part, spp: drawn, seconds, share, ..Step::default() });
             if (watch.is_cancelled)() {
                 return Err(OfflineError::Cancelled);

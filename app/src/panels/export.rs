@@ -63,6 +63,8 @@ pub struct ExportPanel {
     pub options: PictureOptions,
     /// What ends a picture.
     pub stop: StopRules,
+    /// Seconds after which a picture of the preview ends, if it changes still.
+    pub preview_seconds: Option<f64>,
     /// What ends a frame of a turntable.
     pub frame_stop: StopRules,
     /// Frames of a turntable.
@@ -93,6 +95,7 @@ impl Default for ExportPanel {
             format: Format::Png,
             options: PictureOptions::default(),
             stop: StopRules { spp: None, seconds: Some(600.0), relmse: Some(0.01 * 0.01) },
+            preview_seconds: Some(60.0),
             frame_stop: StopRules { spp: None, seconds: Some(90.0), relmse: Some(0.01 * 0.01) },
             frames: 120,
             turn: Turn::Object,
@@ -161,7 +164,10 @@ impl ExportPanel {
                 ui.add(Label::new(RichText::new(&work.text).small()).truncate());
             });
             ui.add(ProgressBar::new(work.progress.unwrap_or(0.0)).desired_height(4.0));
-            let left = work.remaining.map_or_else(|| "…".to_owned(), |left| format!("about {} left", turntable::duration(left)));
+            let left = work.remaining.map_or_else(
+                || "The time that is left is not known yet".to_owned(),
+                |left| format!("about {} left", turntable::duration(left)),
+            );
             ui.label(RichText::new(left).small().color(theme::now().weak));
             return action;
         }

@@ -228,7 +228,7 @@ pub fn stop_rules(ui: &mut Ui, stop: &mut StopRules, of: &str) {
     let mut spp = stop.spp.map(f64::from);
     rule(ui, ["Estimated error", " %", of], &mut percent, (0.5, 0.01, 100.0));
     rule(ui, ["Samples per pixel", "", of], &mut spp, (4096.0, 1.0, 1e6));
-    rule(ui, ["Time", " s", of], &mut stop.seconds, (60.0, 0.1, 1e6));
+    time_rule(ui, &mut stop.seconds, of);
     // Written back only where it changed: the square root does not come back to the same bits.
     if percent != stop.relmse.map(|e| 100.0 * e.sqrt()) {
         stop.relmse = percent.map(|p| (0.01 * p) * (0.01 * p));
@@ -236,6 +236,12 @@ pub fn stop_rules(ui: &mut Ui, stop: &mut StopRules, of: &str) {
     stop.spp = spp.map(|x| x as u32);
 }
 
+/// The rule of a time.
+pub(super) fn time_rule(ui: &mut Ui, seconds: &mut Option<f64>, of: &str) {
+    rule(ui, ["Time", " s", of], seconds, (60.0, 0.1, 1e6));
+}
+
+/// One rule that can be switched off: its name, its suffix and what ends the name of its field; default, least and most.
 fn rule(ui: &mut Ui, [name, suffix, of]: [&str; 3], value: &mut Option<f64>, (default, min, max): (f64, f64, f64)) {
     ui.horizontal(|ui| {
         let mut is_on = value.is_some();

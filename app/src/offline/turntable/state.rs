@@ -26,7 +26,7 @@ pub enum Existing {
 }
 
 /// A finished frame.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Name of the file in the folder.
     pub file: String,
@@ -58,7 +58,7 @@ impl Frame {
     }
 
     /// Whether these rules would have ended it where it is, or earlier.
-    pub(super) fn meets(&self, rules: &StopRules) -> bool {
+    pub fn meets(&self, rules: &StopRules) -> bool {
         let (_, seconds, relmse) = self.rules;
         let is_within = |had: Option<f64>, now: Option<f64>| had.zip(now).is_some_and(|(had, now)| had <= now);
         let by_error = self.stop_reason == "error" && is_within(relmse, rules.relmse);
@@ -66,6 +66,12 @@ impl Frame {
         let is_timed = rules.relmse.is_none() && rules.spp.is_none();
         let by_time = is_timed && self.stop_reason == "time" && is_within(rules.seconds, seconds);
         rules.spp.is_some_and(|spp| self.spp >= spp) || by_error || by_time
+    }
+
+    /// The same without what it was on the way.
+    #[must_use]
+    pub fn without_curve(&self) -> Self {
+        Self { curve: Vec::new(), file: self.file.clone(), stop_reason: self.stop_reason.clone(), ..*self }
     }
 
     /// Whether its time was up before its error was reached.

@@ -48,10 +48,11 @@ impl ExportPanel {
         });
         self.content(ui, around);
         if self.view == View::Preview {
-            note(ui, "The preview ends by itself, when it changes no more.");
+            heading(ui, "Stop when it changes no more, or at");
+            narrow(ui, |ui| viewport::time_rule(ui, &mut self.preview_seconds, " of the preview"));
             return;
         }
-        stop_rules(ui, &mut self.stop, " of the picture");
+        stop_fields(ui, &mut self.stop, " of the picture");
     }
 
     /// What pictures and frames have in common.
@@ -185,15 +186,20 @@ impl ExportPanel {
 }
 
 /// What ends a picture; the names of the fields end in `of`.
-pub(super) fn stop_rules(ui: &mut Ui, stop: &mut StopRules, of: &str) {
+pub(super) fn stop_fields(ui: &mut Ui, stop: &mut StopRules, of: &str) {
     heading(ui, "Stop at, whichever comes first");
-    ui.scope(|ui| {
-        ui.set_max_width(270.0 * theme::text_scale(ui));
-        viewport::stop_rules(ui, stop, of);
-    });
+    narrow(ui, |ui| viewport::stop_rules(ui, stop, of));
     if *stop == StopRules::default() {
         note(ui, &format!("Without a rule: {DEFAULT_SPP} samples per pixel."));
     }
+}
+
+/// Keeps numbers near their names in wide panels.
+fn narrow(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+    ui.scope(|ui| {
+        ui.set_max_width(270.0 * theme::text_scale(ui));
+        content(ui);
+    });
 }
 
 /// A whole number from 1 on; the new one when it was edited.

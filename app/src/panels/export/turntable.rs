@@ -1,13 +1,16 @@
 //! A turntable: what turns, how far it is, how long it will take at which error, and its frames.
 
-use super::picture::{stop_rules, whole};
+use super::picture::{stop_fields, whole};
 use super::{Around, ExportAction, ExportPanel, heading, note, row, section};
 use crate::live_export::{FrameState, Row};
+use crate::offline::picture_options::stop_rules;
 pub use crate::offline::turntable::duration;
 use crate::offline::turntable::{MAX_FRAMES, Turn};
 use crate::theme;
 use crate::widgets::number_field::NumberField;
+use burnish_renderer::path::StopRules;
 use egui::{Label, RichText, ScrollArea, Slider, Ui};
+use std::path::PathBuf;
 
 /// Errors of a frame that can be chosen with the slider, percent.
 const PERCENT: std::ops::RangeInclusive<f64> = 0.1..=10.0;
@@ -37,8 +40,12 @@ impl ExportPanel {
                 if ui.button("Choose…").accessible_name("Choose the folder of the turntable").clicked() {
                     action = Some(ExportAction::ChooseFolder);
                 }
-                let name = self.folder.as_ref().map_or_else(|| "none yet".to_owned(), |folder| folder.display().to_string());
-                ui.add(Label::new(RichText::new(&name).small()).truncate()).on_hover_text(name);
+                let name = |folder: &PathBuf| folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
+                let name = self.folder.as_ref().map_or_else(|| "none yet".to_owned(), name);
+                let label = ui.add(Label::new(RichText::new(name).small()).truncate());
+                if let Some(folder) = &self.folder {
+                    label.on_hover_text(folder.display().to_string());
+                }
             });
         });
         if before != (self.frames, self.turn, self.degrees.to_bits()) {
@@ -48,23 +55,26 @@ impl ExportPanel {
             self.frame_list(ui);
         }
         self.predicted(ui);
-        stop_rules(ui, &mut self.frame_stop, " of a frame");
+        stop_fields(ui, &mut self.frame_stop, " of a frame");
         self.content(ui, around);
         action
     }
 
-    /// Frames that hit their limit, and those that are not finished, or are to have a smaller error than they reached.
-    fn counts(&self) -> (usize, usize) {
-        let goal = self.frame_stop.relmse;
-        let is_short = |row: &&Row| row.relmse.zip(goal).is_some_and(|(reached, goal)| reached > goal);
-        let left =
-            self.rows.iter().filter(|row| row.state != FrameState::Limited && (row.state != FrameState::Done || is_short(row)));
-        (self.rows.iter().filter(|row| row.is_limited()).count(), left.count())
+    /// Frames that are due since they hit their time limit, and for other reasons.
+    pub fn due(&self) -> (usize, usize) {
+        let rules = self.frame_rules();
+        let due: Vec<&Row> = self.rows.iter().filter(|row| row.is_due(&rules)).collect();
+        let limited = due.iter().filter(|row| row.state == FrameState::Limited).count();
+        (limited, due.len() - limited)
+    }
+
+    fn frame_rules(&self) -> StopRules {
+        stop_rules(self.frame_stop.spp, self.frame_stop.seconds, self.frame_stop.relmse)
     }
 
     /// What the button says that starts.
     pub(super) fn start_text(&self) -> String {
-        let (limited, left) = self.counts();
+        let (limited, left) = self.due();
         let goal = self.frame_stop.relmse.map_or_else(String::new, |relmse| format!(" to {}", percent(relmse)));
         match (self.rows.is_empty(), limited, left) {
             (true, ..) => format!("Start {} frames", self.frames),
@@ -77,15 +87,16 @@ impl ExportPanel {
 
     /// The time that all frames take, and a slider that makes it fit.
     fn predicted(&mut self, ui: &mut Ui) {
+        let rules = self.frame_rules();
         let Some((prediction, due)) = &mut self.prediction else { return };
         let due = *due;
         // The other rules may have changed since.
-        prediction.rules = self.frame_stop;
+        prediction.rules = rules;
         heading(ui, "Prediction");
         let alone = prediction.without_limits();
         let listed = LISTED.iter().filter_map(|at| {
             let total = alone.total(Some((0.01 * at) * (0.01 * at)), due)?;
-            Some(format!("{at} %: {}", duration(total)))
+            Some(format!("{at} %: {}", duration(total)).replace(' ', "\u{a0}"))
         });
         note(ui, &format!("All {due} frames to   {}", listed.collect::<Vec<_>>().join("   ")));
         let mut at = self.frame_stop.relmse.map_or(*PERCENT.end(), |relmse| 100.0 * relmse.sqrt());
@@ -104,7 +115,7 @@ impl ExportPanel {
                 let goal = relmse.map_or_else(String::new, |relmse| format!(" at {}", percent(relmse)));
                 let limited = relmse.map(|relmse| prediction.limited(relmse)).filter(|(limited, _)| *limited > 0);
                 let limited = limited.map_or_else(String::new, |(limited, probes)| {
-                    format!("; other limits end {limited} of {probes} probes before that")
+                    format!("; {limited} of {probes} probes end before that, by another limit")
                 });
                 let (total, seconds) = (duration(total), duration(seconds));
                 format!("About {total} for {due} frames{goal}; the slowest, {name}, {seconds}{limited}")
@@ -115,7 +126,7 @@ impl ExportPanel {
     }
 
     fn frame_list(&self, ui: &mut Ui) {
-        let (limited, left) = self.counts();
+        let ((limited, left), rules) = (self.due(), self.frame_rules());
         let finished = self.rows.len() - left - limited;
         heading(ui, "Frames");
         let marked = if limited > 0 { format!(", {limited} hit the time limit") } else { String::new() };
@@ -128,7 +139,7 @@ impl ExportPanel {
             self.rows.len(),
             |ui, range| {
                 for row in range.filter_map(|index| self.rows.get(index)) {
-                    let (color, text) = told(row);
+                    let (color, text) = told(row, row.is_due(&rules));
                     ui.add(Label::new(RichText::new(text).small().color(color)).truncate());
                 }
             },
@@ -137,15 +148,16 @@ impl ExportPanel {
 }
 
 /// A frame in one line.
-fn told(row: &Row) -> (egui::Color32, String) {
+fn told(row: &Row, is_due: bool) -> (egui::Color32, String) {
     let reached = row.relmse.map_or_else(String::new, |relmse| format!("   {}", percent(relmse)));
     let time = duration(row.seconds);
     let palette = theme::now();
     match row.state {
         FrameState::Waiting => (palette.weak, format!("·  {}", row.name)),
         FrameState::Working => (palette.accent, format!("▶  {}   rendering", row.name)),
-        FrameState::Done => (palette.text, format!("✔  {}{reached}   {time}", row.name)),
-        FrameState::Limited => (palette.warning, format!("⚠  {}{reached}   {time}, hit its time limit", row.name)),
+        FrameState::Limited if is_due => (palette.warning, format!("⚠  {}{reached}   {time}, hit its time limit", row.name)),
+        _ if is_due => (palette.weak, format!("·  {}{reached}   {time}, to go on", row.name)),
+        _ => (palette.text, format!("✔  {}{reached}   {time}", row.name)),
     }
 }
 
