@@ -6,6 +6,7 @@ mod checking;
 mod comparing;
 mod documents;
 mod drops;
+mod exporting;
 mod handing_out;
 mod job;
 mod keeping;
@@ -51,6 +52,7 @@ use checking::CheckWork;
 use comparing::CompareWork;
 use documents::After;
 use egui::Ui;
+use exporting::Exporting;
 use keeping::Keeping;
 use library::LibraryWork;
 use merge::MergeWork;
@@ -128,6 +130,8 @@ pub struct App {
     screenshot: Option<Screenshot>,
     /// Pictures that threads are writing.
     pictures_to_write: usize,
+    /// Pictures and turntables to give away.
+    exporting: Exporting,
     written: Receiver<Result<String, String>>,
     writer: Sender<Result<String, String>>,
 }
@@ -195,6 +199,7 @@ impl App {
             keeping: Keeping::default(),
             screenshot: None,
             pictures_to_write: 0,
+            exporting: Exporting::default(),
             written,
             writer,
         };

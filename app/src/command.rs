@@ -80,6 +80,9 @@ commands! {
     SaveExr, "file.exr", File, false, "Save picture as EXR…", "Linear Rec.709 radiance: neither exposure nor display transform is applied.", [CTRL_SHIFT P];
     ContactSheet, "file.sheet", File, true, "Contact sheet…", "All materials of the open library on one page or in one picture.", [];
     ExportPack, "file.pack", File, false, "Export pack…", "The open library as a folder to hand out: materials, images, contact sheet, licences, check.", [];
+    RenderPicture, "file.render", File, false, "Render picture…", "Choose a file and render into it, as the Export panel says, in the background.", [NONE F12];
+    RenderTurntable, "file.turntable", File, false, "Render turntable", "Render the frames around the object that the Export panel sets, in the background.", [CTRL F12];
+    StopRendering, "file.stop_rendering", File, false, "Stop rendering", "End the picture or turntable in the background; a turntable goes on from there later.", [];
     Preferences, "file.preferences", File, true, "Preferences…", "Units, threads, default scene, autosave, mouse, theme and keys.", [CTRL Comma];
     Quit, "file.quit", File, true, "Quit", "Close the window; asks for each material with unsaved changes.", [CTRL Q];
 
@@ -126,6 +129,7 @@ commands! {
     ToggleMerge, "window.merge", Window, false, "Merge", "Two versions of a material and what both were made from become one.", [NONE F6];
     ToggleHistory, "window.history", Window, false, "History", "Show or hide the list of steps.", [NONE Y];
     ToggleMessages, "window.messages", Window, false, "Messages", "Show or hide everything that was said.", [];
+    ToggleExport, "window.export", Window, false, "Export", "Show or hide the settings of pictures and turntables to give away.", [CTRL_SHIFT E];
     ResetLayout, "window.reset_layout", Window, true, "Reset layout", "All panels to their places.", [];
 
     Palette, "help.palette", Help, false, "Find a command…", "Type a few letters of a command, property or preset.", [CTRL K];

@@ -2,6 +2,7 @@
 //!
 //! A dialog never blocks the window: it is asked, and its answer polled.
 
+use crate::export::Format;
 use burnish_material::Property;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -57,6 +58,12 @@ pub enum Purpose {
     SaveSheet,
     /// Where to make a pack of the library.
     SavePack,
+    /// Where to write a picture that is to be rendered.
+    RenderPicture(Format),
+    /// Where else to write a picture that was rendered.
+    WriteElsewhere(Format),
+    /// Where to write the frames of a turntable.
+    TurntableFolder,
 }
 
 impl Purpose {
@@ -77,6 +84,9 @@ impl Purpose {
             Self::SavePng | Self::SaveExr => "Save picture".into(),
             Self::SaveSheet => "Contact sheet of the library".into(),
             Self::SavePack => "Export pack: a folder that is not there yet".into(),
+            Self::RenderPicture(_) => "Render picture".into(),
+            Self::WriteElsewhere(_) => "Write the picture elsewhere".into(),
+            Self::TurntableFolder => "Choose the folder of the turntable".into(),
         }
     }
 
@@ -89,9 +99,11 @@ impl Purpose {
             Self::SaveNotes => ("Notes", &["md", "txt"]),
             Self::LoadModel => ("Mesh", &["gltf", "glb", "ply"]),
             Self::LoadEnvironment => ("Environment", &["hdr", "exr"]),
-            Self::LoadTexture(_) | Self::LoadTextureSet | Self::LoadReference => ("Image", &["png", "jpg", "jpeg", "exr", "hdr"]),
-            Self::SavePng => ("PNG", &["png"]),
-            Self::SaveExr => ("OpenEXR", &["exr"]),
+            Self::LoadTexture(_) | Self::LoadTextureSet | Self::LoadReference | Self::TurntableFolder => {
+                ("Image", &["png", "jpg", "jpeg", "exr", "hdr"])
+            }
+            Self::SavePng | Self::RenderPicture(Format::Png) | Self::WriteElsewhere(Format::Png) => ("PNG", &["png"]),
+            Self::SaveExr | Self::RenderPicture(Format::Exr) | Self::WriteElsewhere(Format::Exr) => ("OpenEXR", &["exr"]),
             Self::SaveSheet => ("Page or picture", &["html", "png"]),
             Self::SavePack => ("Folder", &["*"]),
         }
@@ -107,11 +119,13 @@ impl Purpose {
                 | Self::SavePack
                 | Self::SaveReport
                 | Self::SaveNotes
+                | Self::RenderPicture(_)
+                | Self::WriteElsewhere(_)
         )
     }
 
     fn is_folder(self) -> bool {
-        matches!(self, Self::OpenLibrary | Self::CompareRelease | Self::LoadTextureSet)
+        matches!(self, Self::OpenLibrary | Self::CompareRelease | Self::LoadTextureSet | Self::TurntableFolder)
     }
 }
 

@@ -34,13 +34,15 @@ pub enum Pane {
     History,
     /// What was said.
     Messages,
+    /// Pictures and turntables to give away.
+    Export,
     /// A photo to look at and pick colours from.
     Reference,
 }
 
 impl Pane {
     /// All panes.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::View,
         Self::Library,
         Self::Folder,
@@ -53,6 +55,7 @@ impl Pane {
         Self::Merge,
         Self::History,
         Self::Messages,
+        Self::Export,
         Self::Reference,
     ];
 
@@ -71,6 +74,7 @@ impl Pane {
             Self::Merge => "Merge",
             Self::History => "History",
             Self::Messages => "Messages",
+            Self::Export => "Export",
             Self::Reference => "Reference",
         }
     }
@@ -80,6 +84,7 @@ impl Pane {
         match self {
             Self::View => vec2(340.0, 260.0),
             Self::Properties => vec2(386.0, 200.0),
+            Self::Export => vec2(340.0, 200.0),
             Self::Library | Self::Folder => vec2(216.0, 120.0),
             Self::Validation => vec2(240.0, 200.0),
             Self::Diff | Self::Merge => vec2(340.0, 220.0),
@@ -90,12 +95,21 @@ impl Pane {
     /// Points across above which a pane gains nothing, at the usual size of text.
     fn width_max(self) -> f32 {
         match self {
-            Self::Properties => 620.0,
+            Self::Properties | Self::Export => 620.0,
             Self::Library | Self::Folder => 560.0,
             _ => f32::INFINITY,
         }
     }
 }
+
+/// Panes that layouts of older versions lack, beside which they come, and whether they are shown at once.
+const NEWER: [(Pane, Pane, bool); 5] = [
+    (Pane::Folder, Pane::Library, true),
+    (Pane::Export, Pane::Properties, true),
+    (Pane::Validation, Pane::Stability, false),
+    (Pane::Diff, Pane::View, false),
+    (Pane::Merge, Pane::View, false),
+];
 
 /// Shares of a line before its panes were fitted, with what they were set to.
 type Fitted = (TileId, Vec<(TileId, f32, f32)>);
@@ -117,7 +131,7 @@ impl Default for Dock {
         let view = tab(&mut tiles, &[Pane::View, Pane::Diff, Pane::Merge]);
         let lobes = tab(&mut tiles, &[Pane::Lobes, Pane::Stability, Pane::Validation, Pane::History, Pane::Messages]);
         let chart = tab(&mut tiles, &[Pane::Chart]);
-        let properties = tab(&mut tiles, &[Pane::Properties]);
+        let properties = tab(&mut tiles, &[Pane::Properties, Pane::Export]);
         let reference = tab(&mut tiles, &[Pane::Reference]);
         let linear = |tiles: &mut Tiles<Pane>, dir, children: &[(TileId, f32)]| {
             let mut linear = Linear::new(dir, children.iter().map(|(id, _)| *id).collect());
@@ -145,12 +159,7 @@ impl Dock {
     /// Reads what [`Self::to_text`] wrote, also before there were all panes of today; `None` if it is no layout with every pane once.
     pub fn from_text(text: &str) -> Option<Self> {
         let mut tree: Tree<Pane> = ron::from_str(text).ok()?;
-        for (pane, beside, is_shown) in [
-            (Pane::Folder, Pane::Library, true),
-            (Pane::Validation, Pane::Stability, false),
-            (Pane::Diff, Pane::View, false),
-            (Pane::Merge, Pane::View, false),
-        ] {
+        for (pane, beside, is_shown) in NEWER {
             if tree.tiles.find_pane(&pane).is_none() {
                 let beside = tree.tiles.parent_of(tree.tiles.find_pane(&beside)?)?;
                 let id = tree.tiles.insert_pane(pane);

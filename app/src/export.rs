@@ -64,10 +64,15 @@ impl Format {
     /// The format that the ending of a path stands for, in any case.
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?;
-        [(Self::Png, "png"), (Self::Exr, "exr")]
-            .into_iter()
-            .find(|(_, word)| word.eq_ignore_ascii_case(ending))
-            .map(|(format, _)| format)
+        [Self::Png, Self::Exr].into_iter().find(|format| format.ending().eq_ignore_ascii_case(ending))
+    }
+
+    /// The ending of its files.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Exr => "exr",
+        }
     }
 
     /// What the numbers mean.

@@ -137,15 +137,7 @@ pub fn save_atomic(path: &Path, bytes: &[u8]) -> Result<(), FilesError> {
     // A rename would replace a link by a file: write through it instead.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let failed = |source| FilesError::Write { path: path.to_path_buf(), source };
-    let Some(name) = target.file_name() else {
-        return Err(failed(std::io::Error::new(std::io::ErrorKind::InvalidInput, "the path has no file name")));
-    };
-    let mut beside: OsString = OsString::from(".");
-    beside.push(name);
-    // Two threads may write the same file.
-    static COUNT: AtomicU64 = AtomicU64::new(0);
-    beside.push(format!(".{}-{}.tmp", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
-    let temporary = target.with_file_name(beside);
+    let temporary = temporary_beside(&target).map_err(failed)?;
 
     let written = write_and_check(&temporary, bytes, path).and_then(|()| {
         if let Ok(old) = fs::metadata(&target) {
@@ -163,6 +155,30 @@ pub fn save_atomic(path: &Path, bytes: &[u8]) -> Result<(), FilesError> {
         let _ = File::open(folder).and_then(|folder| folder.sync_all());
     }
     Ok(())
+}
+
+/// An error where [`save_atomic`] would fail: told before minutes of work, not after.
+pub fn check_writable(path: &Path) -> Result<(), FilesError> {
+    let failed = |source| FilesError::Write { path: path.to_path_buf(), source };
+    if path.is_dir() {
+        return Err(failed(std::io::ErrorKind::IsADirectory.into()));
+    }
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let temporary = temporary_beside(&target).map_err(failed)?;
+    File::create(&temporary).map_err(failed)?;
+    fs::remove_file(&temporary).map_err(failed)
+}
+
+/// Where a file is written before it takes its name.
+fn temporary_beside(target: &Path) -> std::io::Result<PathBuf> {
+    let invalid = || std::io::Error::new(std::io::ErrorKind::InvalidInput, "the path has no file name");
+    let name = target.file_name().ok_or_else(invalid)?;
+    let mut beside: OsString = OsString::from(".");
+    beside.push(name);
+    // Two threads may write the same file.
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    beside.push(format!(".{}-{}.tmp", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
+    Ok(target.with_file_name(beside))
 }
 
 fn write_and_check(temporary: &Path, bytes: &[u8], path: &Path) -> Result<(), FilesError> {

@@ -38,6 +38,7 @@ pub struct LiveFinal {
     denoise: Option<LiveDenoise>,
     denoised: Option<DenoisedPicture>,
     problem: Option<String>,
+    is_held: bool,
 }
 
 impl LiveFinal {
@@ -60,6 +61,7 @@ impl LiveFinal {
             denoise: None,
             denoised: None,
             problem: None,
+            is_held: false,
         }
     }
 
@@ -67,15 +69,31 @@ impl LiveFinal {
     pub fn request(&mut self, scene: Arc<Scene>, (width, height): (usize, usize), view: &View) {
         let settings = Settings { width, height, seed: SEED, threads: self.threads, stop: view.stop, is_adaptive: true };
         self.pending = Some((scene, settings));
+        self.is_held = false;
     }
 
     /// Stops working. The last picture goes: by the time the view is shown again, it may be of another scene and another shape.
     pub fn pause(&mut self) {
         self.pending = None;
+        self.is_held = false;
         self.requested = None;
         self.worker.pause();
         (self.snapshot, self.sampled, self.denoised) = (None, None, None);
         (self.texture, self.sent, self.label) = (None, None, None);
+    }
+
+    /// Stops working on a picture that is not finished, and keeps it: the threads are wanted elsewhere. The next request begins again.
+    pub fn hold(&mut self) {
+        self.is_held = self.requested.is_some() && self.snapshot.as_ref().is_none_or(|snapshot| snapshot.done.is_none());
+        if self.is_held {
+            self.pending = None;
+            self.worker.pause();
+        }
+    }
+
+    /// Whether a picture was left unfinished by [`Self::hold`].
+    pub fn is_held(&self) -> bool {
+        self.is_held
     }
 
     /// Sends what is pending, takes the newest picture and has it developed, denoised if that is switched on and done. Once per frame.

@@ -14,13 +14,15 @@ pub enum Ends {
     /// Making small pictures.
     SmallPictures,
     /// A contact sheet or pack of the library.
-    Export,
+    HandOut,
     /// Checking the library.
     Check,
     /// Comparing the library with an earlier release.
     Release,
     /// Drawing two materials and their difference.
     PictureDiff,
+    /// Rendering a picture or a turntable into files.
+    Export,
 }
 
 /// One piece of work.

@@ -77,6 +77,7 @@ fn window_for(command: Command, folder: &Path) -> Window {
             let ctx = window.ctx.clone();
             app_mut(&mut window).open_library(folder, &ctx);
         }
+        Command::StopRendering => press(&mut window, Command::RenderPicture),
         _ => {}
     }
     window.run_steps(2);
@@ -123,6 +124,9 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
         Command::OpenRecent => has(window, Role::TextInput, "Open recent"),
         Command::Save | Command::SaveAs => is_said(window, "saved, reread") && folder.join("chosen.asm.ron").exists(),
         Command::CloseTab => now.documents + 1 == before.documents,
+        Command::RenderPicture => is_drawn(Pane::Export, false) && (is_said(window, "Wrote ") || app.is_exporting()),
+        Command::RenderTurntable => is_drawn(Pane::Export, false) && app.export_panel().folder.is_some(),
+        Command::StopRendering => app.export_work().is_none_or(|work| work.text.starts_with("Ending")),
         Command::SavePng | Command::SaveExr => is_said(window, "The picture was not written"),
         // There is no library here; `library_panel.rs` has one.
         Command::ContactSheet | Command::ExportPack => app.library().is_none(),
@@ -165,6 +169,7 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
         Command::ToggleMerge => is_drawn(Pane::Merge, false),
         Command::ToggleHistory => is_drawn(Pane::History, false),
         Command::ToggleMessages => is_drawn(Pane::Messages, false),
+        Command::ToggleExport => is_drawn(Pane::Export, false),
         Command::ResetLayout => !app.dock().is_drawn(Pane::Stability) && app.dock().is_drawn(Pane::Lobes),
         Command::Palette => has(window, Role::TextInput, "Find a command"),
         Command::Help => has(window, Role::Label, "Mouse in the picture"),

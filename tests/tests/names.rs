@@ -72,7 +72,9 @@ fn panels_and_menus() {
         key(&mut window, Modifiers::NONE, Key::Escape);
         key(&mut window, Modifiers::NONE, Key::Escape);
     }
-    for command in [Command::ToggleHistory, Command::ToggleStability, Command::TogglePanels, Command::TogglePanels] {
+    for command in
+        [Command::ToggleHistory, Command::ToggleStability, Command::TogglePanels, Command::TogglePanels, Command::ToggleExport]
+    {
         set_document(&mut window, |material| _ = material.set(Property::roughness, Value::Float(0.123)));
         press(&mut window, command);
         window.run_steps(2);
@@ -86,6 +88,10 @@ fn panels_and_menus() {
         check(&window, command.text());
         press(&mut window, command);
     }
+    let at = rect(&window, Role::Button, "Turntable").center();
+    click(&mut window, at);
+    window.run_steps(2);
+    check(&window, "a turntable");
     app_mut(&mut window).carry_out(Command::ToggleMessages, &egui::Context::default());
     press(&mut window, Command::New);
     set_document(&mut window, |material| _ = material.set(Property::roughness, Value::Float(0.123)));

@@ -6,20 +6,17 @@ use crate::dialogs::Purpose;
 use crate::dock::Pane;
 use crate::editor::Document;
 use crate::editor::{Orbit, View, ViewMode};
-use crate::export::{self, Picture};
-use crate::live_denoise::DenoisedPicture;
-use crate::live_final::LiveFinal;
 use crate::loading::Job;
 use crate::pages::Page;
+use crate::panels::export::{ExportAction, Kind};
 use crate::panels::texture_page::TexturePage;
 use crate::sides::Side;
 use crate::widgets::value_edit::RowAction;
+use crate::work::Ends;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_material::Slot;
 use burnish_renderer::stability::Fix;
-use burnish_renderer::worker::Snapshot;
 use egui::{Context, FocusDirection, Key, Modifiers, ViewportCommand};
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A third of a stop.
@@ -48,6 +45,8 @@ impl App {
             Command::FlipSides | Command::CompareSides => self.sides.stored().is_some(),
             Command::NextTab | Command::PreviousTab => self.tabs.count() > 1,
             Command::ContactSheet | Command::ExportPack => self.library().is_some_and(|library| !library.entries().is_empty()),
+            Command::RenderPicture | Command::RenderTurntable => self.can_render(),
+            Command::StopRendering => !self.can_render(),
             Command::NextBookmark => !self.editor.view.bookmarks.is_empty(),
             _ => true,
         }
@@ -142,6 +141,15 @@ impl App {
             Command::SaveExr => self.ask(Purpose::SaveExr, ctx),
             Command::ContactSheet => self.ask(Purpose::SaveSheet, ctx),
             Command::ExportPack => self.ask(Purpose::SavePack, ctx),
+            Command::RenderPicture => {
+                self.show_export(Kind::Picture);
+                self.export(ExportAction::Render, ctx);
+            }
+            Command::RenderTurntable => {
+                self.show_export(Kind::Turntable);
+                self.export(ExportAction::Start, ctx);
+            }
+            Command::StopRendering => self.end_work(Ends::Export, ctx),
             Command::Preferences => self.pages.open(Page::Preferences),
             Command::Quit => self.close_window(ctx),
             Command::Undo => {
@@ -266,7 +274,8 @@ impl App {
             | Command::ToggleDiff
             | Command::ToggleMerge
             | Command::ToggleHistory
-            | Command::ToggleMessages => {}
+            | Command::ToggleMessages
+            | Command::ToggleExport => {}
         }
     }
 
@@ -305,50 +314,15 @@ impl App {
         self.messages.info(info);
     }
 
-    /// Writes the picture that is shown, with what it was made from, on a thread of its own.
-    pub(super) fn write_picture(&mut self, path: PathBuf, ctx: &Context) {
-        let view = self.final_view.as_ref().filter(|_| self.has_final());
-        let denoised = view.and_then(LiveFinal::denoised);
-        let shown = denoised.map(|denoised| &denoised.raw).or_else(|| view.and_then(LiveFinal::newest));
-        let (mut picture, job) = if let Some(snapshot) = shown {
-            // A picture of before the last edit does not show what the document says.
-            let is_current = view.and_then(LiveFinal::current).is_some_and(|current| current.revision == snapshot.revision);
-            (final_picture(snapshot, denoised), self.job_of_final(snapshot, denoised, is_current))
-        } else {
-            match self.preview.read_linear() {
-                Ok((width, height, pixels)) => {
-                    let (width, height) = (width as usize, height as usize);
-                    (Picture { width, height, pixels, ..Picture::default() }, self.job_of_preview([width, height]))
-                }
-                Err(problem) => {
-                    self.messages.error(format!("The picture was not written: {problem}."));
-                    return;
-                }
-            }
-        };
-        let (width, height) = (picture.width, picture.height);
-        let note = denoised.map_or_else(String::new, |denoised| format!(". {}; the raw picture is kept", denoised.label()));
-        self.pictures_to_write += 1;
-        let (display, sender, ctx) = (self.editor.view.display, self.writer.clone(), ctx.clone());
-        std::thread::spawn(move || {
-            picture.job = Some(job.finished(&path).json());
-            let result = export::write(&path, &picture, display)
-                .map(|written| {
-                    let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-                    format!("Wrote {} ({width} × {height}){note}", names.join(", "))
-                })
-                .map_err(|error| error.to_string());
-            let _ = sender.send(result);
-            ctx.request_repaint();
-        });
-    }
-
     /// Takes what finished in the background.
     pub(super) fn collect(&mut self, ctx: &Context) {
         while let Some((purpose, path)) = self.dialogs.poll() {
             match path {
                 Some(path) => self.answered(purpose, path, ctx),
-                None => self.after_save = None,
+                None => {
+                    self.after_save = None;
+                    self.exporting.forget_answer();
+                }
             }
         }
         while let Ok(written) = self.written.try_recv() {
@@ -358,6 +332,7 @@ impl App {
                 Err(problem) => self.messages.error(problem),
             }
         }
+        self.collect_exports(ctx);
         while let Some(done) = self.loader.poll() {
             self.loaded(done);
         }
@@ -396,19 +371,9 @@ fn pane_of(command: Command) -> Option<Pane> {
         Command::ToggleMerge => Pane::Merge,
         Command::ToggleHistory => Pane::History,
         Command::ToggleMessages => Pane::Messages,
+        Command::ToggleExport => Pane::Export,
         _ => return None,
     })
-}
-
-/// A picture of the final view for a file; with a denoised one goes the raw one.
-fn final_picture(raw: &Snapshot, denoised: Option<&DenoisedPicture>) -> Picture {
-    Picture {
-        width: raw.width,
-        height: raw.height,
-        pixels: denoised.map_or(&raw.pixels, |denoised| &denoised.picture.pixels).clone(),
-        raw: denoised.map(|_| raw.pixels.clone()),
-        ..Picture::default()
-    }
 }
 
 /// Exposure on whole thirds of a stop.

@@ -39,7 +39,7 @@ impl App {
                     if menu == Menu::View {
                         ui.separator();
                         self.bookmark_menu(ui);
-                        ui.menu_button("Final view stops at", |ui| viewport::stop_rules(ui, &mut self.editor.view.stop));
+                        ui.menu_button("Final view stops at", |ui| viewport::stop_rules(ui, &mut self.editor.view.stop, ""));
                     }
                 });
             }

@@ -1,6 +1,7 @@
 //! Documents: opening, saving, closing, and what other programs do to their files.
 
 use super::App;
+use super::exporting;
 use super::pages::{Answer, question};
 use crate::dialogs::{Purpose, Question};
 use crate::dock::Pane;
@@ -140,9 +141,10 @@ impl App {
         let own_name = document.path().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         let file_name = match purpose {
             Purpose::SaveMaterial => own_name.unwrap_or_else(|| format!("{stem}.{}", files::MATERIAL_EXTENSION)),
+            Purpose::RenderPicture(format) | Purpose::WriteElsewhere(format) => format!("{stem}.{}", format.ending()),
             Purpose::SavePng => format!("{stem}.png"),
             Purpose::SaveExr => format!("{stem}.exr"),
-            Purpose::SaveSheet | Purpose::SavePack => self.export_name(purpose),
+            Purpose::SaveSheet | Purpose::SavePack => self.hand_out_name(purpose),
             Purpose::SaveReport => "report.json".to_owned(),
             Purpose::SaveNotes => "changes.md".to_owned(),
             _ => String::new(),
@@ -229,9 +231,12 @@ impl App {
             Purpose::LoadTexture(property) => self.loader.start(Job::Texture(id, property, path), ctx),
             Purpose::LoadTextureSet => self.loader.start(Job::TextureSet(id, path), ctx),
             Purpose::LoadReference => self.loader.start(Job::Reference(path), ctx),
+            Purpose::RenderPicture(format) => self.render_picture(exporting::with_ending(path, format), ctx),
+            Purpose::WriteElsewhere(format) => self.write_elsewhere(exporting::with_ending(path, format), ctx),
+            Purpose::TurntableFolder => self.turntable_folder(path, ctx),
             Purpose::SavePng => self.write_picture(with_ending("png"), ctx),
             Purpose::SaveExr => self.write_picture(with_ending("exr"), ctx),
-            Purpose::SaveSheet | Purpose::SavePack => self.export_library(purpose, path, ctx),
+            Purpose::SaveSheet | Purpose::SavePack => self.hand_out(purpose, path, ctx),
         }
     }
 

@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 
 impl App {
     /// The name to propose for a sheet or pack of the open library.
-    pub(super) fn export_name(&self, purpose: Purpose) -> String {
+    pub(super) fn hand_out_name(&self, purpose: Purpose) -> String {
         let name = self.library().and_then(|library| library.root().file_name()).unwrap_or_default().to_string_lossy();
         if purpose == Purpose::SaveSheet { format!("{name}.html") } else { format!("{name}-pack") }
     }
 
     /// Makes a sheet or pack of the open library.
-    pub(super) fn export_library(&mut self, purpose: Purpose, path: PathBuf, ctx: &Context) {
+    pub(super) fn hand_out(&mut self, purpose: Purpose, path: PathBuf, ctx: &Context) {
         if self.library_work.export.is_some() {
             return self.messages.warning("A sheet or pack is still being made; try again when it is done.");
         }
@@ -35,7 +35,7 @@ impl App {
     }
 
     /// Says what became of a sheet or pack. Once per frame.
-    pub(super) fn collect_export(&mut self) {
+    pub(super) fn collect_hand_out(&mut self) {
         let Some(outcome) = self.library_work.export.as_ref().and_then(|export| export.poll()) else { return };
         self.library_work.export = None;
         match outcome {
@@ -49,14 +49,14 @@ impl App {
     }
 
     /// The sheet or pack that is being made.
-    pub(super) fn export_work(&self) -> Option<Work> {
+    pub(super) fn hand_out_work(&self) -> Option<Work> {
         let (what, share) = self.library_work.export.as_ref()?.stage();
         let text = if what.is_empty() { "Library".to_owned() } else { format!("Library: {}", what.to_lowercase()) };
-        Some(Work { progress: Some(share), ends: Some(Ends::Export), ..Work::new(text) })
+        Some(Work { progress: Some(share), ends: Some(Ends::HandOut), ..Work::new(text) })
     }
 
     /// Ends making it.
-    pub(super) fn end_export(&mut self) {
+    pub(super) fn end_hand_out(&mut self) {
         if let Some(export) = &self.library_work.export {
             export.cancel();
         }

@@ -1,12 +1,14 @@
-//! What pictures of the window say about how they were made.
+//! Pictures of what the window shows, written as they are, and what they say about how they were made.
 
 use super::App;
+use crate::export::{self, Picture};
 use crate::files::texture_path;
 use crate::live_denoise::DenoisedPicture;
-use crate::live_final::SEED;
+use crate::live_final::{LiveFinal, SEED};
 use crate::picture_job::{PictureJob, Place, Stop, Texture, folder_of};
 use burnish_renderer::path::StopReason;
 use burnish_renderer::worker::Snapshot;
+use egui::Context;
 use std::path::{Path, PathBuf};
 
 /// A job whose files are still to be read.
@@ -29,6 +31,44 @@ impl UnreadJob {
 }
 
 impl App {
+    /// Writes the picture that is shown, with what it was made from, on a thread of its own.
+    pub(super) fn write_picture(&mut self, path: PathBuf, ctx: &Context) {
+        let view = self.final_view.as_ref().filter(|_| self.has_final());
+        let denoised = view.and_then(LiveFinal::denoised);
+        let shown = denoised.map(|denoised| &denoised.raw).or_else(|| view.and_then(LiveFinal::newest));
+        let (mut picture, job) = if let Some(snapshot) = shown {
+            // A picture of before the last edit does not show what the document says.
+            let is_current = view.and_then(LiveFinal::current).is_some_and(|current| current.revision == snapshot.revision);
+            (final_picture(snapshot, denoised), self.job_of_final(snapshot, denoised, is_current))
+        } else {
+            match self.preview.read_linear() {
+                Ok((width, height, pixels)) => {
+                    let (width, height) = (width as usize, height as usize);
+                    (Picture { width, height, pixels, ..Picture::default() }, self.job_of_preview([width, height]))
+                }
+                Err(problem) => {
+                    self.messages.error(format!("The picture was not written: {problem}."));
+                    return;
+                }
+            }
+        };
+        let (width, height) = (picture.width, picture.height);
+        let note = denoised.map_or_else(String::new, |denoised| format!(". {}; the raw picture is kept", denoised.label()));
+        self.pictures_to_write += 1;
+        let (display, sender, ctx) = (self.editor.view.display, self.writer.clone(), ctx.clone());
+        std::thread::spawn(move || {
+            picture.job = Some(job.finished(&path).json());
+            let result = export::write(&path, &picture, display)
+                .map(|written| {
+                    let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+                    format!("Wrote {} ({width} × {height}){note}", names.join(", "))
+                })
+                .map_err(|error| error.to_string());
+            let _ = sender.send(result);
+            ctx.request_repaint();
+        });
+    }
+
     /// The job of a picture of the final view; of material and scene only where it shows the present ones.
     pub(super) fn job_of_final(&self, raw: &Snapshot, denoised: Option<&DenoisedPicture>, is_current: bool) -> UnreadJob {
         let size = [raw.width, raw.height];
@@ -73,6 +113,17 @@ impl App {
         unread.textures = document.textures.keys().filter_map(file_of).collect();
         unread.places = editor.places.clone();
         unread
+    }
+}
+
+/// A picture of the final view for a file; with a denoised one goes the raw one.
+fn final_picture(raw: &Snapshot, denoised: Option<&DenoisedPicture>) -> Picture {
+    Picture {
+        width: raw.width,
+        height: raw.height,
+        pixels: denoised.map_or(&raw.pixels, |denoised| &denoised.picture.pixels).clone(),
+        raw: denoised.map(|_| raw.pixels.clone()),
+        ..Picture::default()
     }
 }
 

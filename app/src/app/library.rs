@@ -108,7 +108,7 @@ impl App {
             }
             library.take_problems().into_iter().for_each(|problem| self.messages.warning(problem));
         }
-        self.collect_export();
+        self.collect_hand_out();
         let Some((step, receiver)) = &self.library_work.running else { return };
         let (step, result) = (*step, receiver.try_recv());
         match result {

@@ -176,6 +176,7 @@ impl App {
                     self.editor.document = document;
                 }
             }
+            Pane::Export => self.export_pane(ui),
             Pane::Messages => hold(ui, |ui| messages::show_log(ui, &mut self.messages)),
             Pane::Reference => {
                 let picked = hold(ui, |ui| self.reference.show(ui, self.picking.is_some()));

@@ -187,7 +187,9 @@ impl App {
                     String::new()
                 };
                 let details = format!("Final view, {width} × {height}\n{details}{shown}");
-                (format!("Final   {}", status::final_text(snapshot, stop)), details)
+                let held = self.final_view.as_ref().filter(|view| view.is_held());
+                let held = held.map_or("", |_| "waits for the rendering   ");
+                (format!("Final   {held}{}", status::final_text(snapshot, stop)), details)
             }
             (true, None) => ("Final   starting…".into(), String::new()),
             (false, _) => {
@@ -207,6 +209,7 @@ impl App {
         if let Some(text) = self.loader.text() {
             list.push(Work { ends: Some(Ends::Loading), ..Work::new(text) });
         }
+        list.extend(self.exporting.work());
         if let Some((done, all)) = self.small.progress() {
             let progress = Some(done as f32 / all.max(1) as f32);
             list.push(Work {
@@ -225,7 +228,7 @@ impl App {
         if self.library_work.is_editing() {
             list.push(Work::new("Writing files of the library"));
         }
-        list.extend(self.export_work());
+        list.extend(self.hand_out_work());
         if self.pictures_to_write > 0 {
             list.push(Work::new("Writing the picture"));
         }
@@ -240,7 +243,7 @@ impl App {
         if let Some(snapshot) = self
             .final_view
             .as_ref()
-            .filter(|_| self.has_final() && self.is_view_seen())
+            .filter(|view| self.has_final() && self.is_view_seen() && !view.is_held())
             .and_then(LiveFinal::current)
             .filter(is_unfinished)
         {
@@ -260,12 +263,13 @@ impl App {
                 self.messages.info("Loading was ended.");
             }
             Ends::SmallPictures => self.small.cancel(),
-            Ends::Export => self.end_export(),
+            Ends::HandOut => self.end_hand_out(),
             Ends::Debug => self.debug.end(),
             Ends::Check => self.end_check(),
             Ends::Release => self.end_release(),
             Ends::PictureDiff => self.compare.end(),
             Ends::Costs => self.costs.cancel(),
+            Ends::Export => self.exporting.live.cancel(),
             Ends::FinalView => self.carry_out(Command::ShowPreview, ctx),
         }
     }

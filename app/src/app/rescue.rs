@@ -1,6 +1,7 @@
 //! A lost graphics device: the window hands everything to the next one and closes.
 
 use super::App;
+use super::exporting::Exporting;
 use super::keeping::Keeping;
 use crate::dock::Dock;
 use crate::editor::{Document, Editor};
@@ -32,6 +33,7 @@ struct Rescued {
     keymap: Keymap,
     dock: Dock,
     keeping: Keeping,
+    exporting: Exporting,
     why: String,
 }
 
@@ -89,6 +91,7 @@ impl App {
         }
         (self.editor, self.history, self.sides, self.tabs) = (left.editor, left.history, left.sides, left.tabs);
         (self.preferences, self.keymap, self.dock, self.keeping) = (left.preferences, left.keymap, left.dock, left.keeping);
+        self.exporting = left.exporting;
         self.apply_preferences(ctx);
         let why = left.why;
         self.messages.warning(format!("The graphics device was lost ({why}); the window was opened anew, and nothing is lost."));
@@ -132,6 +135,7 @@ impl App {
                 keymap: self.keymap.clone(),
                 dock: std::mem::take(&mut self.dock),
                 keeping: std::mem::take(&mut self.keeping),
+                exporting: std::mem::take(&mut self.exporting),
                 why,
             });
         }

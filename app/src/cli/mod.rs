@@ -6,33 +6,28 @@
 pub mod check;
 pub mod compare;
 pub mod converge;
-mod develop;
 pub mod diff;
 pub mod features;
-mod final_picture;
 mod interrupt;
 pub mod library;
 mod library_check;
 mod material_argument;
 pub mod merge;
 pub mod parity;
-mod picture_options;
 pub mod presets;
-mod preview_picture;
 mod progress_line;
 pub mod render;
 mod repeat;
 pub mod scene_options;
-mod scene_origin;
 mod set;
 pub mod stability;
 pub(crate) mod suggest;
 mod target;
-mod tiles;
 pub mod turntable;
 mod window;
 
 use crate::app::WindowOptions;
+use crate::offline::OfflineError;
 use clap::{Parser, Subcommand};
 use std::fmt;
 use std::io::Write;
@@ -113,6 +108,25 @@ impl CliError {
     /// An error with this sentence.
     pub fn unusable(message: impl fmt::Display) -> Self {
         Self::Unusable(message.to_string())
+    }
+}
+
+impl From<OfflineError> for CliError {
+    fn from(error: OfflineError) -> Self {
+        let option = match &error {
+            OfflineError::Cancelled => return Self::Interrupted,
+            OfflineError::NotOfPreview => {
+                let expected = "expected no --transparent, --aov, --error or --denoise; they belong to --view final";
+                return Self::Unusable(format!("--view preview: {expected}"));
+            }
+            OfflineError::HasTurntable { .. } => return Self::Unusable(format!("{error}, or --resume to go on with this one")),
+            OfflineError::TooLarge { .. } => "--size: ",
+            OfflineError::Preview(_) => "--view preview: ",
+            OfflineError::Denoise(_) => "--denoise: ",
+            OfflineError::Folder { .. } => "--out: ",
+            OfflineError::Export(_) | OfflineError::Unusable(_) => "",
+        };
+        Self::Unusable(format!("{option}{error}"))
     }
 }
 

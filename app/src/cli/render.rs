@@ -2,21 +2,19 @@
 //!
 //! Stop rules work together, the first to hit wins; with none given, 256 samples per pixel are taken.
 
-pub use super::picture_options::{DEFAULT_SPP, relmse, transform};
+pub use crate::offline::picture_options::{DEFAULT_SPP, transform};
+pub use crate::offline::watch::error_text;
 
-use super::develop::DenoiseReport;
-use super::final_picture::final_view;
 use super::material_argument::LoadedMaterial;
-use super::picture_options::PictureOptions;
-use super::preview_picture::preview;
-use super::repeat::{self, Repeat};
+use super::progress_line::ProgressLine;
+use super::repeat;
 use super::scene_options::{LoadedScene, SceneOptions, positive};
 use super::{CliError, Messages, Outcome, interrupt, print_out, target};
-use crate::export::{self, Format, Picture};
-use crate::picture_job::{PictureJob, Stop, folder_of};
-use burnish_material::{LobeSet, Material};
-use burnish_renderer::path::{ErrorEstimate, Progress};
-use burnish_renderer::scene::Scene;
+use crate::export::{self, Format};
+use crate::offline::picture::{self, Order, Rendered, Repeat, View};
+use crate::offline::picture_options::PictureOptions;
+use crate::offline::watch::Watch;
+use crate::picture_job::{PictureJob, Stop};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -57,44 +55,6 @@ pub struct RenderArguments {
     pub scene: SceneOptions,
 }
 
-/// Which renderer draws.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum View {
-    #[default]
-    Final,
-    Preview,
-}
-
-impl View {
-    pub(super) fn word(self) -> &'static str {
-        if self == Self::Final { "final" } else { "preview" }
-    }
-}
-
-/// A picture and what is told about its making.
-pub(super) struct Rendered {
-    pub picture: Picture,
-    /// Samples of each part of the picture; frames of a preview.
-    pub samples: Vec<u64>,
-    pub spp: u32,
-    pub seconds: f64,
-    pub first_image_seconds: f64,
-    pub load_seconds: f64,
-    pub stop_reason: String,
-    pub error: Option<ErrorEstimate>,
-    /// `None` where the picture is the raw one.
-    pub denoised: Option<DenoiseReport>,
-    pub adapter: Option<String>,
-    pub nonfinite: u64,
-    pub lobes: LobeSet,
-}
-
-impl Rendered {
-    fn reached(&self) -> serde_json::Map<String, Value> {
-        export::reached(self.spp, Some(&self.stop_reason), self.error.as_ref())
-    }
-}
-
 /// Renders and writes one picture.
 pub fn run(arguments: &RenderArguments) -> Result<Outcome, CliError> {
     if let Some(picture) = arguments.repeated() {
@@ -119,6 +79,17 @@ impl RenderArguments {
         let scene = SceneOptions { threads: self.scene.threads, ..SceneOptions::default() };
         let plain = Self { material: self.material.clone(), out: self.out.clone(), json: self.json, scene, ..Self::default() };
         (*self == plain).then_some(material)
+    }
+
+    fn order(&self, loaded: &LoadedScene) -> Order {
+        Order {
+            loaded: loaded.clone(),
+            options: self.picture.clone(),
+            exposure_ev: self.scene.exposure_ev(),
+            seed: self.scene.seed,
+            threads: self.scene.threads(),
+            stop: Stop { spp: self.spp, seconds: self.time, relmse: self.error },
+        }
     }
 
     /// The arguments that a job was made by.
@@ -152,22 +123,26 @@ fn finish(
     mut messages: Messages,
 ) -> Result<Outcome, CliError> {
     let loading_seconds = start.elapsed().as_secs_f64();
-    let mut rendered = match arguments.view {
-        View::Final => final_view(arguments, loaded, again, &mut messages)?,
-        View::Preview => preview(arguments, loaded, again, &mut messages)?,
-    };
-    interrupt::check()?;
+    if arguments.view == View::Preview && arguments.scene.threads.is_some() {
+        messages.warn("--threads has no effect with --view preview");
+    }
+    let order = arguments.order(loaded);
+    let mut line = ProgressLine::new();
+    let made = picture::make(
+        &order,
+        arguments.view,
+        &arguments.out,
+        again,
+        &mut Watch {
+            is_cancelled: &interrupt::is_interrupted,
+            warn: &mut |sentence| messages.warn(sentence),
+            tell: &mut |step| line.show(|| step.text()),
+        },
+    );
+    line.clear();
+    let (mut rendered, files) = made?;
     rendered.load_seconds += loading_seconds;
     rendered.first_image_seconds += loading_seconds;
-    if rendered.nonfinite > 0 {
-        messages.warn(format!("{} contributions were negative or not finite and were left out", rendered.nonfinite));
-    }
-    rendered.picture.job = Some(job(arguments, loaded, again, &rendered).json());
-    if let Some(sentence) = again.and_then(|again| again.denoiser_note(rendered.denoised.as_ref())) {
-        messages.warn(sentence);
-    }
-    let display = arguments.picture.display(arguments.scene.exposure_ev());
-    let files = export::write(&arguments.out, &rendered.picture, display).map_err(CliError::unusable)?;
     report(arguments, &rendered, &files, &messages)?;
     Ok(Outcome::Done)
 }
@@ -186,28 +161,6 @@ fn refuse_target(path: &Path) -> Result<(), CliError> {
         return Err(CliError::unusable(export::ExportError::UnknownFormat { path: path.to_path_buf() }));
     }
     target::refuse_target("--out", path)
-}
-
-/// Lobes of the document's objects, as one of the renderers counts them.
-pub(super) fn lobes(scene: &Scene, of: impl Fn(&Material) -> LobeSet) -> LobeSet {
-    scene.objects.iter().filter(|object| object.is_document).fold(LobeSet::EMPTY, |set, object| set.union(of(&object.material)))
-}
-
-/// What the picture was made from; no times but that of the rule, so that equal jobs give equal files.
-fn job(arguments: &RenderArguments, loaded: &LoadedScene, again: Option<&Repeat>, rendered: &Rendered) -> PictureJob {
-    let mut job = PictureJob::new();
-    loaded.describe(&mut job, folder_of(&arguments.out).as_deref());
-    arguments.picture.describe(&mut job, arguments.scene.exposure_ev());
-    job.view = arguments.view.word().to_owned();
-    job.adaptive &= arguments.view == View::Final;
-    job.adapter = rendered.adapter.clone();
-    job.seed = arguments.scene.seed;
-    let given = Stop { spp: arguments.spp, seconds: arguments.time, relmse: arguments.error };
-    job.stop = again.map_or(given, |again| again.stop);
-    job.samples = rendered.samples.clone();
-    job.denoiser = rendered.denoised.as_ref().map(|denoised| denoised.denoiser.clone());
-    job.reach(rendered.spp, Some(&rendered.stop_reason), rendered.error.as_ref());
-    job
 }
 
 fn extend(object: &mut Value, more: serde_json::Map<String, Value>) {
@@ -260,21 +213,8 @@ fn report(arguments: &RenderArguments, rendered: &Rendered, files: &[PathBuf], m
         "nonfinite_samples": rendered.nonfinite,
         "warnings": messages.warnings(),
     });
-    extend(&mut object, rendered.reached());
+    extend(&mut object, export::reached(rendered.spp, Some(&rendered.stop_reason), rendered.error.as_ref()));
     print_out(&object.to_string())
-}
-
-/// `error 1.9 % (±0.2)`: the square root of relMSE, with half the width of its interval.
-pub fn error_text(error: &ErrorEstimate) -> String {
-    let percent = |relmse: f64| 100.0 * relmse.max(0.0).sqrt();
-    let half_width = 0.5 * (percent(error.high) - percent(error.low));
-    let fireflies = if error.is_firefly_limited { ", mostly few bright pixels" } else { "" };
-    format!("error {:.1} % (±{half_width:.1}{fireflies})", percent(error.relmse))
-}
-
-pub(super) fn progress_text(progress: &Progress<'_>) -> String {
-    let error = progress.error.as_ref().map_or_else(String::new, |error| format!(", {}", error_text(error)));
-    format!("{} spp in {:.1} s{error}", progress.film.spp(), progress.seconds)
 }
 
 /// Most memory this process has held, where the system tells (Linux).
@@ -290,5 +230,31 @@ fn view(word: &str) -> Result<View, String> {
         "final" => Ok(View::Final),
         "preview" => Ok(View::Preview),
         _ => Err("expected final or preview".to_owned()),
+    }
+}
+
+/// A relMSE as a number, or as the percentage whose square it is.
+pub fn relmse(text: &str) -> Result<f64, String> {
+    let read = match text.trim().strip_suffix('%') {
+        Some(percent) => positive(percent).map(|percent| (percent / 100.0).powi(2)),
+        None => positive(text),
+    };
+    let expected = || "expected a relMSE above 0, such as 0.001, or a percentage, such as 2%".to_owned();
+    // A square can become 0 although the percentage was not.
+    read.ok().filter(|relmse| *relmse > 0.0).ok_or_else(expected)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_numbers_or_percentages() {
+        assert_eq!(relmse("0.001"), Ok(0.001));
+        assert!((relmse("2%").unwrap() - 0.0004).abs() < 1e-12);
+        assert!((relmse("10 %").unwrap() - 0.01).abs() < 1e-12);
+        for text in ["", "0", "-1", "NaN", "inf", "%", "1e-300%", "two"] {
+            assert!(relmse(text).is_err(), "{text}");
+        }
     }
 }

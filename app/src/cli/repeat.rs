@@ -1,48 +1,20 @@
 //! Making a picture again from what it says about itself.
 
-use super::develop::DenoiseReport;
 use super::material_argument::LoadedMaterial;
-use super::picture_options::PictureOptions;
 use super::render::RenderArguments;
 use super::scene_options::{LoadedScene, SceneOptions};
-use super::{CliError, Messages, tiles};
+use super::{CliError, Messages};
 use crate::files;
+use crate::offline::picture::Repeat;
+use crate::offline::picture_options::PictureOptions;
+use crate::offline::tiles;
 use crate::picture_file::embedded_job;
-use crate::picture_job::{PROGRAM, PictureJob, Source, Stop, folder_of, hash_of};
+use crate::picture_job::{PROGRAM, PictureJob, Source, folder_of, hash_of};
 use crate::scene_file::{MAX_SIDE, MAX_TILED_PIXELS};
 use burnish_assets::{make_environment, make_shape};
 use burnish_renderer::path::SPP_MAX;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// How far a picture was.
-pub(super) struct Repeat {
-    /// Samples of each part; frames of a preview.
-    pub samples: Vec<u64>,
-    /// The rules that it had.
-    pub stop: Stop,
-    /// The one that ended it.
-    pub stop_reason: Option<String>,
-    picture: PathBuf,
-    denoiser: Option<String>,
-    adapter: Option<String>,
-}
-
-impl Repeat {
-    /// What is to be said where another filter denoised than before.
-    pub fn denoiser_note(&self, now: Option<&DenoiseReport>) -> Option<String> {
-        let (before, now) = (self.denoiser.as_deref()?, now.map_or("none", |report| report.denoiser.as_str()));
-        let picture = self.picture.display();
-        (before != now)
-            .then(|| format!("{picture}: was denoised by {before}, and now by {now}: only the raw picture is the same"))
-    }
-
-    /// What is to be said where another adapter draws than before.
-    pub fn adapter_note(&self, now: &str) -> Option<String> {
-        let before = self.adapter.as_deref().filter(|before| *before != now)?;
-        Some(format!("{}: was drawn by {before}, and now by {now}: pixels may differ by rounding", self.picture.display()))
-    }
-}
 
 /// What is rendered again.
 pub(super) struct Again {

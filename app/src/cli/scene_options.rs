@@ -1,16 +1,17 @@
 //! Options that say what is drawn: mesh, light, camera, changed values, size. Shared by all commands that render.
 
 use super::material_argument::{self, LoadedMaterial};
-use super::scene_origin::Origin;
 use super::set::{Assignment, parse_number, parse_triple};
 use super::{CliError, Messages, interrupt, suggest};
+pub use crate::offline::loaded_scene::LoadedScene;
+
+use crate::offline::loaded_scene::Origin;
 use crate::picture_job::Place;
 use crate::scene_file::{DOCUMENT_MATERIAL, MAX_PIXELS, MAX_SIDE, MAX_TILED_PIXELS, load_scene};
 use burnish_assets::{
     ENVIRONMENTS, Environment, Model, SHAPES, is_environment_path, is_model_path, load_environment, load_model, make_environment,
     make_shape,
 };
-use burnish_material::Material;
 use burnish_renderer::scene::{Camera, EnvironmentLight, ModelMeshes, Object, Scene};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -73,27 +74,6 @@ pub struct Orbit {
     azimuth_deg: f32,
     elevation_deg: f32,
     distance: f32,
-}
-
-/// A scene that can be rendered.
-#[derive(Clone, Debug)]
-pub struct LoadedScene {
-    /// What is drawn, with every option applied.
-    pub scene: Scene,
-    /// Pixels.
-    pub width: usize,
-    /// Pixels.
-    pub height: usize,
-    /// Where its parts came from.
-    pub(super) origin: Origin,
-}
-
-impl LoadedScene {
-    /// The material that the command is about; that of the first object where none carries the document.
-    pub fn material(&self) -> Option<&Arc<Material>> {
-        let objects = &self.scene.objects;
-        objects.iter().find(|object| object.is_document).or(objects.first()).map(|object| &object.material)
-    }
 }
 
 impl SceneOptions {

@@ -55,6 +55,21 @@ impl LayerKind {
         Self::ALL[self as usize].1
     }
 
+    /// What it holds, for people.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Albedo => "Colour of the surface that is seen first",
+            Self::Normal => "Its shading normal, world",
+            Self::Depth => "Its distance in scene units",
+            Self::Variance => "Variance of each pixel's mean",
+            Self::Samples => "How many samples each pixel has",
+            Self::Position => "Place of the surface that is seen first, scene units",
+            Self::Emission => "Light that the surface emits by itself",
+            Self::Lobes => "Light by the lobe that scattered it; takes another rendering",
+            Self::Error => "Error of each pixel relative to its brightness",
+        }
+    }
+
     /// The kind that a word means, in any case.
     pub fn from_word(word: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, text)| text.eq_ignore_ascii_case(word)).map(|(kind, _)| *kind)

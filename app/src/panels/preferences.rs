@@ -152,9 +152,11 @@ fn number(ui: &mut Ui, name: &str, value: &mut f64, speed: f64, range: std::ops:
     }
 }
 
-fn choice<T: Clone + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T, &str)]) {
+/// A list to choose from; `name` is for screen readers.
+pub(super) fn choice<T: Clone + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T, &str)]) {
     let shown = all.iter().find(|(choice, _)| choice == value).map_or("", |(_, word)| *word);
-    let combo = ComboBox::from_id_salt(name).width(150.0).selected_text(shown).show_ui(ui, |ui| {
+    let width = ui.available_width().clamp(40.0, 150.0);
+    let combo = ComboBox::from_id_salt(name).width(width).selected_text(shown).show_ui(ui, |ui| {
         for (choice, word) in all {
             ui.selectable_value(value, choice.clone(), *word);
         }

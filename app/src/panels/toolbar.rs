@@ -117,7 +117,7 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, tools: &mut Tools) -> Option<Wish>
                 wish = Some(Wish::Command(Command::ToggleDenoise));
             }
         };
-        transform_menu(ui, &mut view.display.transform, |ui| {
+        transform_menu(ui, "Display transform", &mut view.display.transform, |ui| {
             if !is_wide {
                 ui.separator();
                 effects(ui);
@@ -237,7 +237,7 @@ fn exposure(ui: &mut Ui, ev: &mut f32) {
 }
 
 /// The display transforms; `more` comes below them.
-fn transform_menu(ui: &mut Ui, transform: &mut DisplayTransform, more: impl FnOnce(&mut Ui)) {
+pub(super) fn transform_menu(ui: &mut Ui, label: &str, transform: &mut DisplayTransform, more: impl FnOnce(&mut Ui)) {
     let name = |transform: DisplayTransform| match transform {
         DisplayTransform::Neutral => "Neutral",
         DisplayTransform::Agx => "AgX",
@@ -256,5 +256,5 @@ fn transform_menu(ui: &mut Ui, transform: &mut DisplayTransform, more: impl FnOn
         }
         more(ui);
     });
-    combo.response.accessible_name("Display transform").on_hover_text("How radiance becomes screen colours, in both views");
+    combo.response.accessible_name(label).on_hover_text("How radiance becomes screen colours, in both views");
 }

@@ -221,14 +221,14 @@ fn paint_problem(ui: &mut Ui, rect: Rect, problem: &str) -> Option<WayOut> {
     way
 }
 
-/// When the final view stops by itself: each rule can be switched off; whichever comes first ends the picture.
-pub fn stop_rules(ui: &mut Ui, stop: &mut StopRules) {
+/// What ends a picture by itself: each rule can be switched off; whichever comes first ends it. The names of the fields end in `of`.
+pub fn stop_rules(ui: &mut Ui, stop: &mut StopRules, of: &str) {
     ui.set_min_width(230.0);
     let mut percent = stop.relmse.map(|e| 100.0 * e.sqrt());
     let mut spp = stop.spp.map(f64::from);
-    rule(ui, "Estimated error", " %", &mut percent, (0.5, 0.01, 100.0));
-    rule(ui, "Samples per pixel", "", &mut spp, (4096.0, 1.0, 1e6));
-    rule(ui, "Time", " s", &mut stop.seconds, (60.0, 0.1, 1e6));
+    rule(ui, ["Estimated error", " %", of], &mut percent, (0.5, 0.01, 100.0));
+    rule(ui, ["Samples per pixel", "", of], &mut spp, (4096.0, 1.0, 1e6));
+    time_rule(ui, &mut stop.seconds, of);
     // Written back only where it changed: the square root does not come back to the same bits.
     if percent != stop.relmse.map(|e| 100.0 * e.sqrt()) {
         stop.relmse = percent.map(|p| (0.01 * p) * (0.01 * p));
@@ -236,7 +236,13 @@ pub fn stop_rules(ui: &mut Ui, stop: &mut StopRules) {
     stop.spp = spp.map(|x| x as u32);
 }
 
-fn rule(ui: &mut Ui, name: &str, suffix: &str, value: &mut Option<f64>, (default, min, max): (f64, f64, f64)) {
+/// The rule of a time.
+pub(super) fn time_rule(ui: &mut Ui, seconds: &mut Option<f64>, of: &str) {
+    rule(ui, ["Time", " s", of], seconds, (60.0, 0.1, 1e6));
+}
+
+/// One rule that can be switched off: its name, its suffix and what ends the name of its field; default, least and most.
+fn rule(ui: &mut Ui, [name, suffix, of]: [&str; 3], value: &mut Option<f64>, (default, min, max): (f64, f64, f64)) {
     ui.horizontal(|ui| {
         let mut is_on = value.is_some();
         if ui.checkbox(&mut is_on, name).changed() {
@@ -246,7 +252,7 @@ fn rule(ui: &mut Ui, name: &str, suffix: &str, value: &mut Option<f64>, (default
             if let Some(value) = value {
                 let field =
                     DragValue::new(value).range(min..=max).clamp_existing_to_range(false).speed(default / 100.0).suffix(suffix);
-                ui.add(field).accessible_name(format!("{name} limit"));
+                ui.add(field).accessible_name(format!("{name} limit{of}"));
             }
         });
     });

@@ -1,6 +1,6 @@
 //! Options that say what a finished picture holds. Shared by all commands that write pictures.
 
-use super::CliError;
+use super::OfflineError;
 use crate::export::{LayerKind, Precision};
 use crate::picture_job::PictureJob;
 use burnish_material::{LOBES, Lobe, LobeSet};
@@ -63,7 +63,8 @@ pub enum Denoise {
 }
 
 impl Denoise {
-    const WORDS: [(Self, &'static str); 3] = [(Self::Auto, "auto"), (Self::Own, "burnish"), (Self::Oidn, "oidn")];
+    /// All of them with the words that options and files use.
+    pub const WORDS: [(Self, &'static str); 3] = [(Self::Auto, "auto"), (Self::Own, "burnish"), (Self::Oidn, "oidn")];
 }
 
 impl PictureOptions {
@@ -105,8 +106,8 @@ impl PictureOptions {
     }
 
     /// The options that [`Self::describe`] noted.
-    pub fn of_job(job: &PictureJob) -> Result<Self, CliError> {
-        let unusable = |problem: String| CliError::unusable(format!("the picture's job: {problem}"));
+    pub fn of_job(job: &PictureJob) -> Result<Self, OfflineError> {
+        let unusable = |problem: String| OfflineError::unusable(format!("the picture's job: {problem}"));
         Ok(Self {
             no_adaptive: !job.adaptive,
             no_photons: !job.photons,
@@ -151,30 +152,9 @@ fn layer(word: &str) -> Result<LayerKind, String> {
     LayerKind::from_word(word).ok_or_else(|| format!("expected layers among {}", known()))
 }
 
-/// A relMSE as a number, or as the percentage whose square it is.
-pub fn relmse(text: &str) -> Result<f64, String> {
-    let read = match text.trim().strip_suffix('%') {
-        Some(percent) => super::scene_options::positive(percent).map(|percent| (percent / 100.0).powi(2)),
-        None => super::scene_options::positive(text),
-    };
-    let expected = || "expected a relMSE above 0, such as 0.001, or a percentage, such as 2%".to_owned();
-    // A square can become 0 although the percentage was not.
-    read.ok().filter(|relmse| *relmse > 0.0).ok_or_else(expected)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn errors_are_numbers_or_percentages() {
-        assert_eq!(relmse("0.001"), Ok(0.001));
-        assert!((relmse("2%").unwrap() - 0.0004).abs() < 1e-12);
-        assert!((relmse("10 %").unwrap() - 0.01).abs() < 1e-12);
-        for text in ["", "0", "-1", "NaN", "inf", "%", "1e-300%", "two"] {
-            assert!(relmse(text).is_err(), "{text}");
-        }
-    }
 
     #[test]
     fn a_job_holds_all_options() {

@@ -26,6 +26,7 @@ pub(super) fn rules(rules: &StopRules) -> StopRules {
 }
 
 /// A frame that was rendered a little.
+#[derive(Clone, Debug)]
 struct Probe {
     name: String,
     history: Vec<ErrorPoint>,
@@ -49,8 +50,10 @@ impl Probe {
 }
 
 /// What the probes say.
-pub(super) struct Prediction {
-    rules: StopRules,
+#[derive(Clone, Debug)]
+pub struct Prediction {
+    /// The rules of a frame.
+    pub rules: StopRules,
     probes: Vec<Probe>,
 }
 
@@ -79,8 +82,34 @@ impl Prediction {
         self.probes.iter().map(of).collect()
     }
 
+    /// Seconds that so many frames take to an error within the other rules (`None`: until those alone); `None` where it cannot be told.
+    pub fn total(&self, relmse: Option<f64>, frames: usize) -> Option<f64> {
+        let seconds = self.seconds(relmse)?;
+        (!seconds.is_empty()).then(|| seconds.iter().sum::<f64>() / seconds.len() as f64 * frames as f64)
+    }
+
+    /// How many of the probes, and of how many, other rules end before an error.
+    pub fn limited(&self, relmse: f64) -> (usize, usize) {
+        let (ends, to_error) = (self.seconds(Some(relmse)), self.without_limits().seconds(Some(relmse)));
+        let pairs = ends.into_iter().flatten().zip(to_error.into_iter().flatten());
+        (pairs.filter(|(end, to_error)| end < to_error).count(), self.probes.len())
+    }
+
+    /// The same without other rules than the error.
+    #[must_use]
+    pub fn without_limits(&self) -> Self {
+        Self { rules: StopRules::default(), probes: self.probes.clone() }
+    }
+
+    /// The probe that takes longest to an error, and its seconds.
+    pub fn slowest(&self, relmse: Option<f64>) -> Option<(&str, f64)> {
+        let seconds = self.seconds(relmse)?;
+        let slowest = (0..seconds.len()).max_by(|a, b| seconds[*a].total_cmp(&seconds[*b]))?;
+        Some((&self.probes[slowest].name, seconds[slowest]))
+    }
+
     /// What is told: the errors by percent, or the rules without an error; seconds of the mean frame and of the slowest.
-    fn rows(&self) -> Vec<(Option<f64>, f64, usize, f64)> {
+    fn rows(&self) -> Vec<(Option<f64>, f64, &str, f64)> {
         let mut targets: Vec<Option<f64>> = TARGETS.iter().map(|target| Some(*target)).collect();
         match self.rules.relmse {
             Some(relmse) if !TARGETS.contains(&relmse) => targets.insert(0, Some(relmse)),
@@ -88,23 +117,22 @@ impl Prediction {
             _ => {}
         }
         let row = |target: Option<f64>| {
-            let seconds = self.seconds(target)?;
-            let slowest = (0..seconds.len()).max_by(|a, b| seconds[*a].total_cmp(&seconds[*b]))?;
-            Some((target, seconds.iter().sum::<f64>() / seconds.len() as f64, slowest, seconds[slowest]))
+            let (slowest, seconds) = self.slowest(target)?;
+            Some((target, self.total(target, 1)?, slowest, seconds))
         };
         targets.into_iter().filter_map(row).collect()
     }
 
     /// One line for people, for so many frames.
-    pub(super) fn text(&self, frames: usize) -> String {
+    pub fn text(&self, frames: usize) -> String {
         let rows = self.rows();
         let goal =
             |target: Option<f64>| target.map_or("with these rules".to_owned(), |t| format!("at {:.3} %", 100.0 * t.sqrt()));
         let goal = |target: Option<f64>| goal(target).replace(".000 %", " %");
         let part =
-            |(target, mean, ..): &(Option<f64>, f64, usize, f64)| format!("{} {}", duration(mean * frames as f64), goal(*target));
+            |(target, mean, ..): &(Option<f64>, f64, &str, f64)| format!("{} {}", duration(mean * frames as f64), goal(*target));
         let slowest = rows.first().map_or_else(String::new, |(target, _, slowest, seconds)| {
-            format!("; the slowest, {}, {} {}", self.probes[*slowest].name, duration(*seconds), goal(*target))
+            format!("; the slowest, {slowest}, {} {}", duration(*seconds), goal(*target))
         });
         let parts: Vec<String> = rows.iter().map(part).collect();
         if parts.is_empty() {
@@ -114,12 +142,12 @@ impl Prediction {
     }
 
     /// The same for machines.
-    pub(super) fn json(&self, frames: usize) -> Value {
-        let row = |(target, mean, slowest, seconds): (Option<f64>, f64, usize, f64)| {
+    pub fn json(&self, frames: usize) -> Value {
+        let row = |(target, mean, slowest, seconds): (Option<f64>, f64, &str, f64)| {
             json!({
                 "relmse": target,
                 "seconds": mean * frames as f64,
-                "slowest": self.probes[slowest].name,
+                "slowest": slowest,
                 "slowest_seconds": seconds,
             })
         };
@@ -128,7 +156,7 @@ impl Prediction {
 }
 
 /// `2 h 3 min`, `31 min`, `22 s`, `0.4 s`.
-pub(super) fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     let minutes = (seconds / 60.0).round();
     match seconds {
         s if s < 10.0 => format!("{s:.1} s"),
@@ -161,6 +189,9 @@ mod tests {
         }
         prediction.rules.seconds = Some(10.0);
         assert!(prediction.text(120).contains("20 min at 1 %"), "no frame takes longer than its limit");
+        assert_eq!((prediction.limited(1e-4), prediction.limited(9e-4)), ((2, 2), (1, 2)));
+        let total = prediction.without_limits().total(Some(1e-4), 2);
+        assert!(total.is_some_and(|total| (total - 150.0).abs() < 1e-6), "{total:?}");
         prediction.rules = StopRules { spp: Some(128), ..StopRules::default() };
         assert!(prediction.text(10).contains("4 min with these rules"), "{}", prediction.text(10));
         assert_eq!(chosen(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], 5), [0, 2, 4, 6, 8]);

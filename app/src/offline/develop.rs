@@ -1,7 +1,8 @@
 //! What becomes of the samples of the path tracer: a picture with its layers, with or without background, raw or denoised.
 
+use super::OfflineError;
 use super::picture_options::{Denoise, PictureOptions};
-use super::{CliError, Messages, interrupt};
+use super::watch::Watch;
 use crate::export::{Layer, LayerKind, Picture};
 use burnish_renderer::denoise::{self, DenoiseError, Denoiser, Oidn};
 use burnish_renderer::path::{self, ErrorEstimate, Film, Prepared, light_layers};
@@ -40,8 +41,8 @@ pub struct Exposed<'a> {
 pub fn develop(
     exposed: &Exposed<'_>,
     options: &PictureOptions,
-    messages: &mut Messages,
-) -> Result<(Picture, Option<DenoiseReport>), CliError> {
+    watch: &mut Watch<'_>,
+) -> Result<(Picture, Option<DenoiseReport>), OfflineError> {
     let film = exposed.film;
     let developed = |mean: &[[f32; 3]]| {
         if options.transparent {
@@ -53,7 +54,7 @@ pub fn develop(
     let mut pixels = developed(&film.mean());
     let (mut raw, mut denoised) = (None, None);
     if let Some(choice) = options.denoise
-        && let Some((picture, report)) = denoise_film(choice, exposed, messages)?
+        && let Some((picture, report)) = denoise_film(choice, exposed, watch)?
     {
         raw = Some(std::mem::replace(&mut pixels, developed(&picture)));
         denoised = Some(report);
@@ -64,7 +65,7 @@ pub fn develop(
         pixels,
         has_alpha: options.transparent,
         raw,
-        layers: layers(exposed, &options.aov)?,
+        layers: layers(exposed, &options.aov, watch)?,
         job: None,
         precision: options.precision(),
     };
@@ -78,12 +79,12 @@ pub fn develop_tile(scene: &Scene, film: &Film, options: &PictureOptions, at: [u
 }
 
 /// The denoised mean of a film and what is told about it. `None`, with a warning, where there are too few samples.
-fn denoise_film(choice: Denoise, exposed: &Exposed<'_>, messages: &mut Messages) -> Result<Option<DenoisedFilm>, CliError> {
+fn denoise_film(choice: Denoise, exposed: &Exposed<'_>, watch: &mut Watch<'_>) -> Result<Option<DenoisedFilm>, OfflineError> {
     let film = exposed.film;
     let Some(input) = denoise::Input::of(film) else {
         let replicates = path::REPLICATES;
-        messages.warn(format!(
-            "--denoise: expected at least {replicates} samples per pixel, found {}; the picture is not denoised",
+        (watch.warn)(format!(
+            "denoising: expected at least {replicates} samples per pixel, found {}; the picture is not denoised",
             film.spp()
         ));
         return Ok(None);
@@ -98,13 +99,12 @@ fn denoise_film(choice: Denoise, exposed: &Exposed<'_>, messages: &mut Messages)
         },
     };
     if let Some(problem) = problem {
-        messages.warn(format!("--denoise: {problem}; the own filter is used"));
+        (watch.warn)(format!("denoising: {problem}; the own filter is used"));
     }
     let guides = denoise::Guides::new(exposed.prepared, film.width, film.height);
-    let cancel = || interrupt::is_interrupted();
-    let denoised = denoiser.run(&input, &guides, exposed.threads, &cancel).map_err(|error| match error {
-        DenoiseError::Cancelled => CliError::Interrupted,
-        DenoiseError::Oidn(_) => CliError::unusable(format!("--denoise: {error}")),
+    let denoised = denoiser.run(&input, &guides, exposed.threads, watch.is_cancelled).map_err(|error| match error {
+        DenoiseError::Cancelled => OfflineError::Cancelled,
+        DenoiseError::Oidn(_) => OfflineError::Denoise(error.to_string()),
     })?;
     let report = DenoiseReport { denoiser: denoiser.name(), seconds: start.elapsed().as_secs_f64(), error: denoised.error };
     Ok(Some((denoised.pixels, report)))
@@ -147,7 +147,7 @@ fn without_background(scene: &Scene, mean: &[[f32; 3]], film: &Film, at: [usize;
         .collect()
 }
 
-fn layers(exposed: &Exposed<'_>, kinds: &[LayerKind]) -> Result<Vec<Layer>, CliError> {
+fn layers(exposed: &Exposed<'_>, kinds: &[LayerKind], watch: &Watch<'_>) -> Result<Vec<Layer>, OfflineError> {
     let film = exposed.film;
     let is_seen = |kind: &LayerKind| {
         matches!(kind, LayerKind::Albedo | LayerKind::Normal | LayerKind::Depth | LayerKind::Position | LayerKind::Emission)
@@ -170,9 +170,8 @@ fn layers(exposed: &Exposed<'_>, kinds: &[LayerKind]) -> Result<Vec<Layer>, CliE
             LayerKind::Samples => vec![film.samples().into_iter().map(|count| count as f32).collect()],
             LayerKind::Error => vec![film.relative_error()],
             LayerKind::Lobes => {
-                let cancel = || interrupt::is_interrupted();
-                let light = light_layers(exposed.prepared, film, exposed.seed, exposed.threads, &cancel);
-                for part in light.ok_or(CliError::Interrupted)? {
+                let light = light_layers(exposed.prepared, film, exposed.seed, exposed.threads, watch.is_cancelled);
+                for part in light.ok_or(OfflineError::Cancelled)? {
                     layers.push(Layer { kind: *kind, part: Some(part.name), planes: split(&part.pixels) });
                 }
                 continue;

@@ -1,8 +1,8 @@
 //! What is known of a turntable: one JSON file in its folder, rewritten after every frame.
 
-use crate::cli::CliError;
 use crate::files::{read_text_file, save_atomic};
-use burnish_renderer::path::{Rendering, StopRules};
+use crate::offline::OfflineError;
+use burnish_renderer::path::{Rendering, StopReason, StopRules};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -11,9 +11,23 @@ use std::path::{Path, PathBuf};
 /// Larger files are not read: a curve has some dozens of points.
 const MAX_BYTES: u64 = 1 << 30;
 
+/// Name of the file that tells of a turntable that is not divided.
+const WHOLE: &str = "turntable.json";
+
+/// What becomes of a turntable that is in the folder already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Existing {
+    /// It is an error.
+    Refuse,
+    /// It goes on, which needs the same settings.
+    Resume,
+    /// The same, but one without a finished frame begins anew with other settings.
+    Restart,
+}
+
 /// A finished frame.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Frame {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
     /// Name of the file in the folder.
     pub file: String,
     /// Seconds of rendering, all sittings together.
@@ -44,7 +58,7 @@ impl Frame {
     }
 
     /// Whether these rules would have ended it where it is, or earlier.
-    pub(super) fn meets(&self, rules: &StopRules) -> bool {
+    pub fn meets(&self, rules: &StopRules) -> bool {
         let (_, seconds, relmse) = self.rules;
         let is_within = |had: Option<f64>, now: Option<f64>| had.zip(now).is_some_and(|(had, now)| had <= now);
         let by_error = self.stop_reason == "error" && is_within(relmse, rules.relmse);
@@ -54,8 +68,19 @@ impl Frame {
         rules.spp.is_some_and(|spp| self.spp >= spp) || by_error || by_time
     }
 
+    /// The same without what it was on the way.
+    #[must_use]
+    pub fn without_curve(&self) -> Self {
+        Self { curve: Vec::new(), file: self.file.clone(), stop_reason: self.stop_reason.clone(), ..*self }
+    }
+
+    /// Whether its time was up before its error was reached.
+    pub fn is_time_limited(&self) -> bool {
+        self.stop_reason == StopReason::Time.word()
+    }
+
     /// `frame_0007.png (1.4 %)`.
-    pub(super) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let error = self.relmse_estimate.map_or("no estimate".to_owned(), |e| format!("{:.1} %", 100.0 * e.max(0.0).sqrt()));
         format!("{} ({error})", self.file)
     }
@@ -75,10 +100,15 @@ pub(super) struct State {
 }
 
 impl State {
-    /// A new one, or with `resume` that of the folder, which must be of these settings.
-    pub(super) fn open(folder: &Path, shard: Option<(u32, u32)>, settings: Value, resume: bool) -> Result<Self, CliError> {
+    /// A new one, or that of the folder.
+    pub(super) fn open(
+        folder: &Path,
+        shard: Option<(u32, u32)>,
+        settings: Value,
+        existing: Existing,
+    ) -> Result<Self, OfflineError> {
         let name = match shard {
-            None => "turntable.json".to_owned(),
+            None => WHOLE.to_owned(),
             Some((part, parts)) => format!("turntable-{part}-of-{parts}.json"),
         };
         let path = folder.join(name);
@@ -89,20 +119,32 @@ impl State {
             return Ok(state);
         }
         let shown = path.display();
-        if !resume {
-            return Err(CliError::unusable(format!(
-                "{shown}: expected a folder without a turntable, or --resume to go on with this one"
-            )));
+        if existing == Existing::Refuse {
+            return Err(OfflineError::HasTurntable { path });
         }
-        let text = read_text_file(&path, MAX_BYTES).map_err(CliError::unusable)?;
-        let content: Content =
-            serde_json::from_str(&text).map_err(|error| CliError::unusable(format!("{shown}: expected a turntable: {error}")))?;
+        let text = read_text_file(&path, MAX_BYTES).map_err(OfflineError::unusable)?;
+        let content: Content = serde_json::from_str(&text)
+            .map_err(|error| OfflineError::unusable(format!("{shown}: expected a turntable: {error}")))?;
         if let Some(key) = difference("", &content.settings, &new.settings) {
-            return Err(CliError::unusable(format!(
-                "--resume: {shown}: was begun with another `{key}`; expected the same options"
+            // Probes alone are quickly made again.
+            if existing == Existing::Restart && content.frames.is_empty() {
+                remove_samples(folder);
+                let state = Self { path, content: new };
+                state.save()?;
+                return Ok(state);
+            }
+            return Err(OfflineError::unusable(format!(
+                "{shown}: was begun with another `{key}`; expected the same settings, or another folder"
             )));
         }
         Ok(Self { path, content })
+    }
+
+    /// The settings and frames of a folder that has a whole turntable; `None` where it has none that can be read.
+    pub(super) fn read(folder: &Path) -> Option<(Value, BTreeMap<u32, Frame>)> {
+        let text = read_text_file(&folder.join(WHOLE), MAX_BYTES).ok()?;
+        let Content { settings, frames } = serde_json::from_str(&text).ok()?;
+        Some((settings, frames))
     }
 
     pub(super) fn frame(&self, number: u32) -> Option<&Frame> {
@@ -110,14 +152,14 @@ impl State {
     }
 
     /// Notes a frame whose picture has been written.
-    pub(super) fn finish(&mut self, number: u32, frame: Frame) -> Result<(), CliError> {
+    pub(super) fn finish(&mut self, number: u32, frame: Frame) -> Result<(), OfflineError> {
         self.content.frames.insert(number, frame);
         self.save()
     }
 
-    fn save(&self) -> Result<(), CliError> {
-        let text = serde_json::to_string_pretty(&self.content).map_err(CliError::unusable)?;
-        save_atomic(&self.path, text.as_bytes()).map_err(CliError::unusable)
+    fn save(&self) -> Result<(), OfflineError> {
+        let text = serde_json::to_string_pretty(&self.content).map_err(OfflineError::unusable)?;
+        save_atomic(&self.path, text.as_bytes()).map_err(OfflineError::unusable)
     }
 }
 
@@ -132,10 +174,22 @@ fn difference(key: &str, a: &Value, b: &Value) -> Option<String> {
     .next()
 }
 
+/// Files of stored samples in a folder.
+fn sample_files(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let paths = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    paths.filter(|path| path.extension().is_some_and(|ending| ending == "samples"))
+}
+
+fn remove_samples(folder: &Path) {
+    // One that stays is found to be of another size, or replaced.
+    sample_files(folder).for_each(|path| _ = std::fs::remove_file(path));
+}
+
 /// Bytes of stored samples in a folder, without those of one file.
 pub(super) fn stored_bytes(folder: &Path, without: &Path) -> u64 {
-    let Ok(entries) = std::fs::read_dir(folder) else { return 0 };
-    let paths = entries.flatten().map(|entry| entry.path());
-    let samples = paths.filter(|path| path != without && path.extension().is_some_and(|ending| ending == "samples"));
-    samples.filter_map(|path| path.metadata().ok()).map(|metadata| metadata.len()).sum()
+    sample_files(folder)
+        .filter(|path| path != without)
+        .filter_map(|path| path.metadata().ok())
+        .map(|metadata| metadata.len())
+        .sum()
 }

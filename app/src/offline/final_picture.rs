@@ -1,14 +1,10 @@
 //! The final view as a picture: whole, or in parts where it is large.
 
 use super::develop::{Exposed, develop, develop_tile};
-use super::picture_options::stop_rules;
-use super::progress_line::ProgressLine;
-use super::render::{RenderArguments, Rendered, lobes, progress_text};
-use super::repeat::Repeat;
-use super::scene_options::LoadedScene;
-use super::{CliError, Messages, interrupt, tiles};
+use super::picture::{Order, Rendered, Repeat, lobes};
+use super::watch::{Step, Watch};
+use super::{OfflineError, tiles};
 use crate::export::Picture;
-use crate::scene_file::MAX_PIXELS;
 use burnish_material::{LobeSet, Property, TextureRef};
 use burnish_renderer::path::{self, ErrorEstimate, Prepared, Rendering, Settings, StopReason, StopRules, Tile};
 use burnish_renderer::scene::Scene;
@@ -16,45 +12,35 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Renders, until a rule says so or as far as `again` says.
-pub(super) fn final_view(
-    arguments: &RenderArguments,
-    loaded: &LoadedScene,
-    again: Option<&Repeat>,
-    messages: &mut Messages,
-) -> Result<Rendered, CliError> {
+pub(super) fn final_view(order: &Order, again: Option<&Repeat>, watch: &mut Watch<'_>) -> Result<Rendered, OfflineError> {
+    let (loaded, options) = (&order.loaded, &order.options);
     for sentence in left_out(&loaded.scene) {
-        messages.warn(sentence);
+        (watch.warn)(sentence);
     }
-    let options = &arguments.picture;
     let parts = tiles::of_final(loaded.width, loaded.height);
-    if parts.len() > 1 && (options.denoise.is_some() || !options.aov.is_empty()) {
-        return Err(CliError::unusable(format!(
-            "--size: expected at most {MAX_PIXELS} (2^24) pixels in all with --denoise or --aov, found {} x {}",
-            loaded.width, loaded.height
-        )));
-    }
     let settings = Settings {
         width: loaded.width,
         height: loaded.height,
-        seed: arguments.scene.seed,
-        threads: arguments.scene.threads(),
-        stop: stop_rules(arguments.spp, arguments.time, arguments.error),
+        seed: order.seed,
+        threads: order.threads,
+        stop: order.rules(),
         is_adaptive: !options.no_adaptive,
     };
     let start = Instant::now();
     let prepared = options.prepare(&loaded.scene, None);
     let mut camera = Parts { prepared: &prepared, settings, again, start, rest: parts.len(), number: 0, seconds: 0.0 };
     if let [whole] = parts[..] {
-        let rendering = camera.expose(whole)?;
+        let rendering = camera.expose(whole, watch)?;
         let film = &rendering.film;
         let exposed = Exposed { scene: &loaded.scene, prepared: &prepared, film, seed: settings.seed, threads: settings.threads };
-        let (picture, denoised) = develop(&exposed, options, messages)?;
-        return Ok(Rendered { denoised, ..rendered(arguments, loaded, again, picture, &[told(&rendering)]) });
+        (watch.tell)(&Step { part: "developing".to_owned(), ..Step::default() });
+        let (picture, denoised) = develop(&exposed, options, watch)?;
+        return Ok(Rendered { denoised, ..rendered(order, again, picture, &[told(&rendering)]) });
     }
     let mut pixels = vec![[0.0; 4]; loaded.width * loaded.height];
     let mut all = Vec::new();
     for part in parts {
-        let rendering = camera.expose(part)?;
+        let rendering = camera.expose(part, watch)?;
         let of_part = develop_tile(&loaded.scene, &rendering.film, options, part.at, [loaded.width, loaded.height]);
         tiles::put(&mut pixels, loaded.width, part, &of_part);
         all.push(told(&rendering));
@@ -67,7 +53,7 @@ pub(super) fn final_view(
         precision: options.precision(),
         ..Picture::default()
     };
-    Ok(rendered(arguments, loaded, again, picture, &all))
+    Ok(rendered(order, again, picture, &all))
 }
 
 /// Renders one part after the other.
@@ -82,28 +68,30 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    fn expose(&mut self, part: Tile) -> Result<Rendering, CliError> {
-        let mut line = ProgressLine::new();
-        let parts = self.number + self.rest;
-        let place = if parts > 1 { format!("part {} of {parts}: ", self.number + 1) } else { String::new() };
+    fn expose(&mut self, part: Tile, watch: &mut Watch<'_>) -> Result<Rendering, OfflineError> {
+        let (number, parts) = (self.number, self.number + self.rest);
+        let place = if parts > 1 { format!("part {} of {parts}", number + 1) } else { String::new() };
+        // What time is left is shared by the parts that are left.
+        let seconds = self.settings.stop.seconds.map(|end| (end - self.seconds).max(0.0) / self.rest as f64);
+        let settings = Settings { stop: StopRules { seconds, ..self.settings.stop }, ..self.settings };
+        let before = self.seconds;
         let mut progress = |state: &path::Progress<'_>| {
-            line.show(|| format!("{place}{}", progress_text(state)));
-            !interrupt::is_interrupted()
-        };
-        let rendering = match self.again.map(|again| again.samples[self.number]) {
-            Some(samples) => path::repeat(self.prepared, &self.settings, part, samples, self.start, &mut progress),
-            None => {
-                // What time is left is shared by the parts that are left.
-                let seconds = self.settings.stop.seconds.map(|end| (end - self.seconds).max(0.0) / self.rest as f64);
-                let settings = Settings { stop: StopRules { seconds, ..self.settings.stop }, ..self.settings };
-                path::render_tile(self.prepared, &settings, part, self.start, &mut progress)
+            let mut step = Step::of(&place, state, &settings.stop);
+            if parts > 1 {
+                step.share = step.share.map(|share| (number as f64 + share) / parts as f64);
+                step.remaining = step.share.map(|share| (before + state.seconds) * (1.0 / share.max(1e-6) - 1.0));
             }
+            (watch.tell)(&step);
+            !(watch.is_cancelled)()
         };
-        line.clear();
+        let rendering = match self.again.map(|again| again.samples[number]) {
+            Some(samples) => path::repeat(self.prepared, &self.settings, part, samples, self.start, &mut progress),
+            None => path::render_tile(self.prepared, &settings, part, self.start, &mut progress),
+        };
         self.number += 1;
         self.rest -= 1;
         self.seconds += rendering.seconds;
-        if rendering.stop_reason == StopReason::Cancelled { Err(CliError::Interrupted) } else { Ok(rendering) }
+        if rendering.stop_reason == StopReason::Cancelled { Err(OfflineError::Cancelled) } else { Ok(rendering) }
     }
 }
 
@@ -132,20 +120,14 @@ fn told(rendering: &Rendering) -> Told {
     }
 }
 
-fn rendered(
-    arguments: &RenderArguments,
-    loaded: &LoadedScene,
-    again: Option<&Repeat>,
-    picture: Picture,
-    parts: &[Told],
-) -> Rendered {
+fn rendered(order: &Order, again: Option<&Repeat>, picture: Picture, parts: &[Told]) -> Rendered {
     let pixels: usize = parts.iter().map(|part| part.pixels).sum();
     let samples: Vec<u64> = parts.iter().map(|part| part.samples).collect();
     // A picture is as far as its parts on average, and ended by time if any was.
     let is_timed = parts.iter().any(|part| part.stop_reason == StopReason::Time);
     let reason = if is_timed { StopReason::Time } else { parts.first().map_or(StopReason::Spp, |part| part.stop_reason) };
     let first = parts.first();
-    let less = arguments.picture.left_out();
+    let less = order.options.left_out();
     Rendered {
         picture,
         spp: (samples.iter().sum::<u64>() / pixels.max(1) as u64) as u32,
@@ -158,7 +140,7 @@ fn rendered(
         denoised: None,
         adapter: None,
         nonfinite: parts.iter().map(|part| part.nonfinite).sum(),
-        lobes: lobes(&loaded.scene, LobeSet::of).minus(less),
+        lobes: lobes(&order.loaded.scene, LobeSet::of).minus(less),
     }
 }
 

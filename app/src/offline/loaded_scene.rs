@@ -1,26 +1,54 @@
-//! Where the parts of a scene came from, for pictures of it to say.
+//! A scene that can be rendered, with where its parts came from, for pictures of it to say.
 
-use super::scene_options::LoadedScene;
 use crate::picture_job::{PictureJob, Place, SceneSource, Source, Texture};
-use burnish_material::MaterialFile;
+use burnish_material::{Material, MaterialFile};
+use burnish_renderer::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Where the parts of a scene came from.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Origin {
+pub struct Origin {
+    /// The mesh; `None`: that of the scene file.
     pub mesh: Option<Place>,
+    /// The environment; `None`: that of the scene file.
     pub environment: Option<Place>,
+    /// A scene file.
     pub scene: Option<PathBuf>,
+    /// What the scene file names.
     pub assets: Vec<PathBuf>,
+    /// Whether the material took the place of the scene file's.
     pub replaces_material: bool,
+    /// Millimetres per scene unit, where that was given.
     pub unit_mm: Option<f64>,
+    /// The material's file with its text.
     pub file: Option<Arc<MaterialFile>>,
+    /// Images by the path that the material names.
     pub texture_files: Vec<(String, PathBuf)>,
+    /// By how much the objects were turned about the vertical, degrees.
     pub turn_deg: f64,
 }
 
+/// A scene that can be rendered.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    /// What is drawn, with every option applied.
+    pub scene: Scene,
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    /// Where its parts came from.
+    pub origin: Origin,
+}
+
 impl LoadedScene {
+    /// The material that it is about; that of the first object where none carries the document.
+    pub fn material(&self) -> Option<&Arc<Material>> {
+        let objects = &self.scene.objects;
+        objects.iter().find(|object| object.is_document).or(objects.first()).map(|object| &object.material)
+    }
+
     /// The same with the objects turned about the vertical, degrees.
     #[must_use]
     pub fn turned(mut self, deg: f64) -> Self {
