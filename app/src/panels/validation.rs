@@ -279,8 +279,8 @@ fn details(ui: &mut Ui, row: &Row, view: &ValidationView) -> Option<ValidationAc
         let text = format!("{}{line}{key}", short(&row.path, view.root));
         ui.add(Label::new(RichText::new(text).small().color(theme::now().weak)).truncate());
     });
-    let height = (0.35 * ui.available_height()).clamp(18.0, 64.0);
-    ScrollArea::vertical().id_salt("details").max_height(height).show(ui, |ui| {
+    let height = (0.22 * ui.available_height()).clamp(18.0, 64.0);
+    ScrollArea::vertical().id_salt("details").max_height(height).min_scrolled_height(height).show(ui, |ui| {
         ui.add(Label::new(RichText::new(sentence(row, view.root)).color(theme::now().strong)).wrap());
     });
     action
