@@ -329,6 +329,7 @@ impl App {
         self.panels(ui);
         self.show_pages(&ctx);
         self.ask_about_unsaved(&ctx);
+        self.ask_about_rendering(&ctx);
         self.take_drops(&ctx);
         self.mind_the_window(&ctx);
         self.keep(&ctx);

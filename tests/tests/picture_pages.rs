@@ -215,6 +215,10 @@ fn what_is_cancelled_leaves_no_half_file_and_a_turntable_goes_on() {
     until(&mut window, "a sample", |app| {
         app.export_work().is_some_and(|work| work.text.contains("spp") && work.progress.is_some())
     });
+    // Closing the window asks first.
+    press(&mut window, Command::Quit);
+    press_button(&mut window, "Go on rendering");
+    assert!(app(&window).is_exporting());
     press_button(&mut window, "Cancel rendering");
     until_done(&mut window);
     assert_eq!((names(folder.path()), errors(&window)), (Vec::new(), Vec::new()));

@@ -95,6 +95,7 @@ impl App {
                 self.with_front(|tabs, front| tabs.bring_to_front(place, front));
                 self.asking = Some(After::CloseWindow);
             }
+            None if self.asks_to_end_rendering() => {}
             None => {
                 self.is_closing = true;
                 ctx.send_viewport_cmd(ViewportCommand::Close);

@@ -1,6 +1,7 @@
 //! Pictures and turntables of what the window shows: from the settings of the panel to a thread, and what comes back.
 
 use super::App;
+use super::pages::{Answer, question};
 use crate::dialogs::Purpose;
 use crate::dock::Pane;
 use crate::export::Format;
@@ -29,6 +30,8 @@ pub(super) struct Exporting {
     pub live: LiveExport,
     /// What goes on once the folder is chosen.
     after_folder: Option<ExportAction>,
+    /// Whether closing the window waits for an answer.
+    is_asking: bool,
     /// A picture that could not be written where it should be.
     unwritten: Option<Unwritten>,
 }
@@ -216,6 +219,33 @@ impl App {
             threads: self.preferences.threads.unwrap_or_else(threads),
             stop: Stop { spp: stop.spp, seconds: stop.seconds, relmse: stop.relmse },
         })
+    }
+
+    /// Whether the window stays open until it is said what becomes of a rendering.
+    pub(super) fn asks_to_end_rendering(&mut self) -> bool {
+        self.exporting.is_asking = !self.can_render() && !self.exporting.live.is_ending();
+        self.exporting.is_asking
+    }
+
+    /// Asks before closing whether a rendering is to end.
+    pub(super) fn ask_about_rendering(&mut self, ctx: &Context) {
+        self.exporting.is_asking &= !self.can_render();
+        if !self.exporting.is_asking {
+            return;
+        }
+        let answers = [("End it and quit", "A turntable goes on from there another day"), ("Go on rendering", "")];
+        let answer = question(ctx, "Still rendering", &answers, |ui| {
+            ui.label("A picture or turntable is being rendered.");
+        });
+        match answer {
+            Answer::Waiting => return,
+            Answer::Chosen(0) => {
+                self.end_work(Ends::Export, ctx);
+                self.close_window(ctx);
+            }
+            Answer::Chosen(_) | Answer::None => {}
+        }
+        self.exporting.is_asking = false;
     }
 
     /// Takes what was made in the background.
