@@ -14,6 +14,7 @@ mod pages;
 mod panes;
 mod pick;
 mod pictures;
+mod release;
 mod rescue;
 mod screenshot;
 mod sync;

@@ -5,6 +5,7 @@ pub mod batch_page;
 pub mod chart;
 pub mod diff;
 pub mod explain;
+pub mod finding;
 pub mod help;
 pub mod history;
 pub mod library;
