@@ -16,6 +16,7 @@ mod pages;
 mod panes;
 mod pick;
 mod pictures;
+mod release;
 mod rescue;
 mod screenshot;
 mod sync;

@@ -374,6 +374,21 @@ mod tests {
     }
 
     #[test]
+    fn layouts_from_before_there_were_panes_get_them_hidden() {
+        let (mut dock, new) = (Dock::default(), [Pane::Validation, Pane::Diff, Pane::Merge]);
+        for pane in new {
+            let id = dock.id(pane).unwrap();
+            dock.tree.remove_recursively(id);
+        }
+        let mut again = Dock::from_text(&dock.to_text().unwrap()).unwrap();
+        assert!(new.into_iter().all(|pane| !again.is_shown(pane)) && again.is_alone(Pane::View));
+        again.set_shown(Pane::Diff, true);
+        assert!(again.is_drawn(Pane::Diff) && !again.is_drawn(Pane::View) && !again.is_alone(Pane::View));
+        again.set_shown(Pane::Diff, false);
+        assert!(again.is_drawn(Pane::View));
+    }
+
+    #[test]
     fn panes_come_back_as_they_were() {
         let mut dock = Dock::default();
         assert!(dock.is_drawn(Pane::Lobes) && !dock.is_drawn(Pane::Stability) && !dock.is_drawn(Pane::Reference));

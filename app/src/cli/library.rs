@@ -211,6 +211,7 @@ fn index_row(entry: &Entry, state: State) -> Value {
         "state": state.word(),
         "name": entry.name,
         "group": entry.group(),
+        "aliases": entry.aliases,
         "tags": entry.tags,
         "licence": entry.licence,
         "textures": entry.textures,

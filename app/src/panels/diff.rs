@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, view: &DiffView) -> Option<DiffAction> {
         ui.add(Label::new(RichText::new(problem).color(theme::now().weak)).wrap());
     }
     let room = ui.available_rect_before_wrap();
-    let (values, pictures) = if room.width() >= WIDE {
+    let (values, pictures) = if room.width() >= WIDE * theme::text_scale(ui) {
         let at = room.left() + (0.56 * room.width()).max(WIDE - 200.0);
         (Rect::from_min_max(room.min, pos2(at - 6.0, room.bottom())), Rect::from_min_max(pos2(at, room.top()), room.max))
     } else {

@@ -6,6 +6,7 @@ pub mod chart;
 pub mod diff;
 pub mod explain;
 pub mod export;
+pub mod finding;
 pub mod help;
 pub mod history;
 pub mod library;

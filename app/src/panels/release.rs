@@ -177,7 +177,7 @@ impl ReleasePanel {
         ui.spacing_mut().item_spacing.y = 1.0;
         ScrollArea::vertical().id_salt("changes").auto_shrink([false, false]).show_rows(ui, height, lines.len(), |ui, shown| {
             for line in &lines[shown] {
-                let text = format!("{} {}   {}", line.mark, super::validation::short(&line.path, None), line.words);
+                let text = format!("{} {}   {}", line.mark, super::finding::short(&line.path, None), line.words);
                 let button = Button::selectable(false, &text).truncate().right_text("");
                 let response = ui.add_sized([ui.available_width(), height], button);
                 response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &text));
