@@ -55,7 +55,7 @@ fn a_slider_moves_both_views_and_the_file_follows() {
         window.picture().filter(|picture| is_red(picture, PREVIEW) && is_red(picture, FINAL))
     });
     window.find_rows("roughness");
-    window.drag("", 1, ROUGHNESS_FROM, ROUGHNESS_TO);
+    window.drag_value(ROUGHNESS_FROM, ROUGHNESS_TO);
     for (view, part) in [("preview", PREVIEW), ("final view", FINAL)] {
         let old = look(&before, part);
         wait(&format!("the {view} to follow the slider"), || {

@@ -176,6 +176,18 @@ impl Window {
         pause();
     }
 
+    /// Drags a value of a document without changes; again where that fell into frames that were over.
+    pub fn drag_value(&self, from: (u32, u32), to: (u32, u32)) {
+        wait("the document to be changed", || {
+            self.drag("", 1, from, to);
+            // A second drag would be a second step.
+            (0..20).find_map(|_| {
+                pause();
+                self.title().contains('•').then_some(())
+            })
+        });
+    }
+
     /// Types into the search field of the properties, and leaves the keyboard to the window.
     pub fn find_rows(&self, query: &str) {
         self.wait_for_change("the rows to be searched", ROWS, 0.05, || {
