@@ -15,7 +15,7 @@ use burnish_renderer::path::Progress;
 use burnish_renderer::tonemap::{Display, DisplayTransform};
 use clap::Args;
 use serde_json::{Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What small pictures show, and when they are done.
@@ -110,6 +110,31 @@ impl SmallPictureOptions {
         }
         line.clear();
         (rows, is_whole)
+    }
+}
+
+/// Which small pictures a command uses that puts them into something of its own.
+#[derive(Debug, Args)]
+pub struct ShownPictures {
+    /// Makes no pictures: those that are missing are left empty, and old ones are shown
+    #[arg(long)]
+    no_render: bool,
+    /// Folder of the pictures, as `thumbnails --out` names it [default: the cache of this user]
+    #[arg(long, value_name = "DIR")]
+    pub pictures: Option<PathBuf>,
+    /// What the pictures show, and when they are done.
+    #[command(flatten)]
+    pub making: SmallPictureOptions,
+}
+
+impl ShownPictures {
+    /// States of pictures that are made first. An error if they could not be kept.
+    pub fn due(&self, read: &Read) -> Result<&'static [State], CliError> {
+        if self.no_render {
+            return Ok(&[]);
+        }
+        refuse_no_place(read, "--pictures", self.pictures.as_deref())?;
+        Ok(&[State::Missing, State::Stale])
     }
 }
 

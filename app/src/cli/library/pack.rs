@@ -1,6 +1,6 @@
 //! `burnish library pack`: a folder to hand out, with everything that belongs to the materials of a library.
 
-use super::making::{self, SmallPictureOptions};
+use super::making::{self, ShownPictures};
 use super::read;
 use crate::cli::check::with_progress;
 use crate::cli::progress_line::ProgressLine;
@@ -10,7 +10,7 @@ use crate::library::entry::Entry;
 use crate::library::pack::{self, Pack, Packed};
 use crate::library::scan::Progress;
 use crate::library::setup::Setup;
-use crate::library::shelf::{Shelf, State};
+use crate::library::shelf::Shelf;
 use burnish_material::Severity;
 use clap::Args;
 use serde_json::{Value, json};
@@ -32,26 +32,20 @@ pub struct PackArguments {
     /// Packs although the check finds errors; files that cannot be used are left out
     #[arg(long)]
     allow_errors: bool,
-    /// Makes no pictures: those that are missing are empty on the contact sheet, and old ones are shown
-    #[arg(long)]
-    no_render: bool,
-    /// Folder of the pictures, as `thumbnails --out` names it [default: the cache of this user]
-    #[arg(long, value_name = "DIR")]
-    pictures: Option<PathBuf>,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
-    /// What the pictures show, and when they are done.
+    /// The pictures on the sheet.
     #[command(flatten)]
-    making: SmallPictureOptions,
+    shown: ShownPictures,
 }
 
 /// Checks, makes pictures, packs, and prints what became of it.
 pub fn run(arguments: &PackArguments) -> Result<Outcome, CliError> {
     let mut messages = Messages::default();
-    let setup = arguments.making.setup(&mut messages)?;
-    let (folder, pictures) = (arguments.folder.as_path(), arguments.pictures.as_deref());
-    let threads = arguments.making.scene.threads();
+    let setup = arguments.shown.making.setup(&mut messages)?;
+    let (folder, pictures) = (arguments.folder.as_path(), arguments.shown.pictures.as_deref());
+    let threads = arguments.shown.making.scene.threads();
     let mut read = read(folder, threads, pictures, &mut messages)?;
     let name = arguments.name.clone().unwrap_or_else(|| read.name(folder));
     let entries = read.scanned.index.entries.clone();
@@ -63,11 +57,8 @@ pub fn run(arguments: &PackArguments) -> Result<Outcome, CliError> {
     if checked.errors > 0 && !arguments.allow_errors {
         return refused(arguments, &checked, &messages);
     }
-    let only: &[State] = if arguments.no_render { &[] } else { &[State::Missing, State::Stale] };
-    if !arguments.no_render {
-        making::refuse_no_place(&read, "--pictures", pictures)?;
-    }
-    let (rows, is_whole) = arguments.making.make(folder, &entries, only, &setup, &mut read.shelf, &mut messages);
+    let only = arguments.shown.due(&read)?;
+    let (rows, is_whole) = arguments.shown.making.make(folder, &entries, only, &setup, &mut read.shelf, &mut messages);
     let made = making::made(&rows);
     for row in rows.iter().filter(|row| row.entry.problem.is_none()) {
         row.problem.iter().for_each(|problem| messages.warn_about(&row.entry.path, problem));
@@ -104,7 +95,7 @@ fn write(
     let tell = |what: &str, Progress { done, total }: Progress| {
         line.lock().unwrap_or_else(PoisonError::into_inner).show(|| format!("{what}: {done} of {total}"));
     };
-    let (root, threads) = (arguments.folder.as_path(), arguments.making.scene.threads());
+    let (root, threads) = (arguments.folder.as_path(), arguments.shown.making.scene.threads());
     let pack = Pack { name, root, entries, shelf, setup: setup.digest(), threads };
     let packed = pack.write(&arguments.out, &tell, &interrupt::is_interrupted);
     line.into_inner().unwrap_or_else(PoisonError::into_inner).clear();

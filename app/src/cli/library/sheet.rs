@@ -1,6 +1,6 @@
 //! `burnish library sheet`: a contact sheet of a folder of materials, with pictures that are made where they are missing.
 
-use super::making::{self, Row, SmallPictureOptions};
+use super::making::{self, Row, ShownPictures};
 use super::{query_of, read};
 use crate::cli::progress_line::ProgressLine;
 use crate::cli::target::{has_ending, refuse_target};
@@ -9,7 +9,7 @@ use crate::files::save_atomic;
 use crate::library::entry::Entry;
 use crate::library::setup::Setup;
 use crate::library::sheet::{Sheet, is_page};
-use crate::library::shelf::{Shelf, State};
+use crate::library::shelf::Shelf;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -36,18 +36,12 @@ pub struct SheetArguments {
     /// Columns of a PNG [default: about three by two]
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=256))]
     columns: Option<u32>,
-    /// Makes no pictures: those that are missing are empty, and old ones are shown
-    #[arg(long)]
-    no_render: bool,
-    /// Folder of the pictures, as `thumbnails --out` names it [default: the cache of this user]
-    #[arg(long, value_name = "DIR")]
-    pictures: Option<PathBuf>,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
-    /// What the pictures show, and when they are done.
+    /// The pictures on the sheet.
     #[command(flatten)]
-    making: SmallPictureOptions,
+    shown: ShownPictures,
 }
 
 /// Makes pictures, writes the sheet and prints what became of each file.
@@ -60,9 +54,9 @@ pub fn run(arguments: &SheetArguments) -> Result<Outcome, CliError> {
         }
         refuse_target("--out", out)?;
     }
-    let setup = arguments.making.setup(&mut messages)?;
-    let pictures = arguments.pictures.as_deref();
-    let mut read = read(&arguments.folder, arguments.making.scene.threads(), pictures, &mut messages)?;
+    let setup = arguments.shown.making.setup(&mut messages)?;
+    let pictures = arguments.shown.pictures.as_deref();
+    let mut read = read(&arguments.folder, arguments.shown.making.scene.threads(), pictures, &mut messages)?;
     let entries = read.matching(&query, setup.digest(), &mut messages);
     if entries.is_empty() {
         return Err(CliError::unusable("--search: nothing in this library matches"));
@@ -77,11 +71,8 @@ pub fn run(arguments: &SheetArguments) -> Result<Outcome, CliError> {
         .iter()
         .try_for_each(|out| planned.refuse_too_many(out))
         .map_err(|error| CliError::unusable(format!("--out: {error}")))?;
-    let only: &[State] = if arguments.no_render { &[] } else { &[State::Missing, State::Stale] };
-    if !arguments.no_render {
-        making::refuse_no_place(&read, "--pictures", pictures)?;
-    }
-    let (rows, is_whole) = arguments.making.make(&arguments.folder, &entries, only, &setup, &mut read.shelf, &mut messages);
+    let only = arguments.shown.due(&read)?;
+    let (rows, is_whole) = arguments.shown.making.make(&arguments.folder, &entries, only, &setup, &mut read.shelf, &mut messages);
     if !is_whole {
         let made = making::made(&rows);
         report(arguments, &setup, &read.shelf, &rows, None, &messages)?;
