@@ -47,7 +47,7 @@ use crate::sides::Sides;
 use crate::small_pictures::SmallPictures;
 use crate::tabs::{Tabs, Work};
 use crate::theme;
-use burnish_assets::{ENVIRONMENTS, SHAPES};
+use burnish_assets::{BackdropDef, ENVIRONMENTS, SHAPES};
 use burnish_material::{Material, Property};
 use checking::CheckWork;
 use comparing::CompareWork;
@@ -205,18 +205,19 @@ impl App {
             writer,
         };
         app.apply_preferences(ctx);
+        app.editor.set_backdrop(BackdropDef::named(&app.preferences.backdrop));
         app.load_first_scene(ctx);
         app
     }
 
-    /// Starts loading the mesh and the light that the user prefers.
+    /// Starts loading the mesh and the light that the user prefers, as far as there is none.
     fn load_first_scene(&mut self, ctx: &egui::Context) {
         let mesh = SHAPES.iter().find(|def| def.name == self.preferences.mesh).or(SHAPES.first());
-        if let Some(shape) = mesh {
+        if let Some(shape) = mesh.filter(|_| self.editor.model.is_none()) {
             self.loader.start(Job::Shape(shape.name), ctx);
         }
         let light = ENVIRONMENTS.iter().find(|def| def.name == self.preferences.light).or(ENVIRONMENTS.first());
-        if let Some(environment) = light {
+        if let Some(environment) = light.filter(|_| self.editor.environment.is_none()) {
             self.loader.start(Job::BuiltInEnvironment(environment.name), ctx);
         }
     }

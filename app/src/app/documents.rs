@@ -258,12 +258,18 @@ impl App {
     }
 
     /// Takes what was loaded to where it belongs.
-    pub(super) fn loaded(&mut self, done: Done) {
+    pub(super) fn loaded(&mut self, done: Done, ctx: &Context) {
         for warning in done.warnings {
             self.messages.warning(warning);
         }
         match (done.job, done.result) {
-            (_, Err(problem)) => self.messages.error(problem),
+            (job, Err(problem)) => {
+                self.messages.error(problem);
+                // It came in the place of the first mesh or light.
+                if matches!(job, Job::Model(_) | Job::Environment(_)) {
+                    self.load_first_scene(ctx);
+                }
+            }
             (Job::Reload(id, path), Ok(Loaded::Material(opened))) => {
                 self.edit_document(id, Some("Reload from disk"), |document| *document = Document::opened(*opened));
                 self.messages.info(format!("Reloaded {}; undo brings back what was here before.", path.display()));

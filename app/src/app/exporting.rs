@@ -201,6 +201,7 @@ impl App {
         let [mesh, environment] = editor.places.clone();
         let origin = Origin {
             mesh,
+            backdrop: editor.backdrop(),
             environment,
             replaces_material: true,
             unit_mm: editor.model.as_ref().map(|model| model.unit_mm),

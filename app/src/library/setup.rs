@@ -4,7 +4,7 @@ use super::entry::{Entry, reason};
 use crate::digest::{Digest, Digesting};
 use crate::export::{Picture, png_bytes};
 use crate::files;
-use burnish_assets::{ENVIRONMENTS, Mesh, SHAPES, make_shape};
+use burnish_assets::{BackdropDef, ENVIRONMENTS, Mesh, SHAPES, make_shape};
 use burnish_material::{DEFAULT_UNIT_MM, MAX_FILE_BYTES, Material, MaterialFile, Property, Value};
 use burnish_renderer::PICTURE_VERSION;
 use burnish_renderer::path::{Prepared, Progress, Settings, StopReason, StopRules, render_prepared};
@@ -69,6 +69,8 @@ pub struct Stage {
     pub scene: Scene,
     /// The built-in mesh that it shows, if it does. Its name counts instead of its numbers, which processors may round differently.
     pub shape: Option<String>,
+    /// What the mesh stands on, where that is not what it brings.
+    pub backdrop: Option<&'static BackdropDef>,
     /// The built-in environment that it shows, if it does.
     pub environment: Option<String>,
     /// Whether lengths of materials are converted to those of the scene.
@@ -84,6 +86,7 @@ impl Stage {
         Some(Self {
             scene: Scene::of_model(&model, Arc::default(), Arc::default(), light, model.unit_mm),
             shape: Some(shape.name.to_owned()),
+            backdrop: None,
             environment: Some(environment.name.to_owned()),
             has_unit: true,
         })
@@ -228,6 +231,9 @@ fn digest(stage: &Stage, frame: &Frame, set: &[(Property, Value)]) -> Digest {
     match &stage.shape {
         Some(name) => _ = all.text(name),
         None => objects.iter().for_each(|object| add_object(&mut all, object)),
+    }
+    if let Some(backdrop) = stage.backdrop {
+        all.text("backdrop").text(backdrop.name);
     }
     for object in objects {
         all.text(&format!("{:.5e}", object.length_scale));

@@ -48,6 +48,7 @@ impl SmallPictureOptions {
         let stage = Stage {
             scene: loaded.scene,
             shape: name_of(&options.mesh, SHAPES.iter().map(|def| def.name).collect()),
+            backdrop: options.backdrop,
             environment: name_of(&options.environment, ENVIRONMENTS.iter().map(|def| def.name).collect()),
             has_unit: options.scene.is_none() || options.unit_mm.is_some(),
         };
