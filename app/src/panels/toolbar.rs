@@ -88,14 +88,14 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, tools: &mut Tools) -> Option<Wish>
         let (small, backdrop) = (&mut *tools.small, editor.backdrop());
         let mut other = None;
         let more = |ui: &mut Ui| other = backdrops(ui, backdrop);
-        wish = scene_menu(ui, "Mesh", mesh, tip, all, Command::LoadModel, small, more).or(wish.take());
+        wish = scene_menu(ui, ["Mesh", mesh, tip], all, Command::LoadModel, small, more).or(wish.take());
         if let Some(backdrop) = other {
             editor.set_backdrop(backdrop);
         }
         let light = editor.environment.as_ref().map_or("…", |environment| environment.name.as_str());
         let all = ENVIRONMENTS.iter().map(|def| (Key::Environment(def.name), def.label, Job::BuiltInEnvironment(def.name)));
         let tip = "What lights the scene; drop an .hdr or .exr for your own";
-        wish = scene_menu(ui, "Environment", light, tip, all, Command::LoadEnvironment, tools.small, |_| {}).or(wish.take());
+        wish = scene_menu(ui, ["Environment", light, tip], all, Command::LoadEnvironment, tools.small, |_| {}).or(wish.take());
         let view = &mut editor.view;
         let field = NumberField {
             format: |x| format!("{x:.0}°"),
@@ -178,12 +178,10 @@ fn debug_menu(ui: &mut Ui, debug: &mut LiveDebug, is_wide: bool) {
     }
 }
 
-/// A choice among pictures of what is built in.
+/// A choice among pictures of what is built in; `more` comes below them.
 fn scene_menu(
     ui: &mut Ui,
-    name: &str,
-    shown: &str,
-    tip: &str,
+    [name, shown, tip]: [&str; 3],
     all: impl Iterator<Item = (Key, &'static str, Job)>,
     load: Command,
     small: &mut SmallPictures,
