@@ -2,7 +2,7 @@
 
 use super::check::{Options, Shelved, check_library};
 use super::entry::Entry;
-use super::maker::Maker;
+use super::maker::{Limits, Maker};
 use super::pack::{self, Pack};
 use super::pictures::Wake;
 use super::scan::Progress;
@@ -151,7 +151,7 @@ impl Order {
     ) -> bool {
         let needs = |entry: &&Arc<Entry>| entry.problem.is_none() && shelf.state(entry, self.setup.digest()) != State::Fresh;
         let entries: Vec<Arc<Entry>> = self.entries.iter().filter(needs).filter(|_| self.pictures.is_some()).cloned().collect();
-        let mut maker = Maker::new(&self.root, &self.setup, self.threads, DEFAULT_SECONDS);
+        let mut maker = Maker::new(&self.root, &self.setup, Limits { seconds: DEFAULT_SECONDS, threads: self.threads });
         for (done, entry) in entries.iter().enumerate() {
             tell("Small pictures", Progress { done, total: entries.len() });
             // Two materials may look the same.

@@ -17,6 +17,8 @@ const SIDES: std::ops::RangeInclusive<f32> = 48.0..=256.0;
 const MAX_TEXTURES: usize = 400;
 /// Points between cards.
 const GAP: f32 = 4.0;
+/// What there is to say of a draft.
+const DRAFT: &str = "draft: the full picture is still to come";
 
 /// What the panel asks of the application. Paths are relative to the library's folder.
 #[derive(Clone, Debug, PartialEq)]
@@ -234,7 +236,7 @@ impl LibraryPanel {
                         let is_current = around.current.is_some_and(|path| path == library.root().join(&entry.path));
                         let is_favourite = library.marks().is_favourite(&entry.path);
                         self.paint(ui, rect, &response, &Card { entry: &entry, state, is_current, is_favourite });
-                        action = self.touched(ui, &response, &entry, place, library, is_favourite).or(action.take());
+                        action = self.touched(ui, &response, &entry, place, library).or(action.take());
                     }
                 });
             }
@@ -283,6 +285,7 @@ impl LibraryPanel {
         }
         let mark = match (&entry.problem, state) {
             (Some(_), _) => Some(("⚠ broken", palette.error)),
+            (None, State::Draft) => Some(("draft", palette.text)),
             (None, State::Stale) => Some(("stale", palette.warning)),
             (None, State::Missing) => Some(("no picture", palette.weak)),
             (None, State::Fresh) => None,
@@ -323,10 +326,11 @@ impl LibraryPanel {
         entry: &Arc<Entry>,
         place: usize,
         library: &Library,
-        is_favourite: bool,
     ) -> Option<LibraryAction> {
         let is_selected = self.selected.contains(&entry.path);
-        response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, is_selected, &entry.name));
+        let (is_draft, is_favourite) = (library.state(entry) == State::Draft, library.marks().is_favourite(&entry.path));
+        let name = if is_draft { format!("{}, {DRAFT}", entry.name) } else { entry.name.clone() };
+        response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, is_selected, &name));
         response.dnd_set_drag_payload(Dragged(entry.path.clone()));
         let mut action = None;
         if response.clicked() {
@@ -377,6 +381,9 @@ impl LibraryPanel {
             ui.label(RichText::new(&entry.name).strong());
             if let Some(problem) = &entry.problem {
                 ui.label(RichText::new(problem).color(theme::now().error));
+            }
+            if is_draft {
+                ui.label(DRAFT);
             }
             if !entry.tags.is_empty() {
                 ui.label(entry.tags.join(", "));
