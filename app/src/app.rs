@@ -47,6 +47,7 @@ use crate::sides::Sides;
 use crate::small_pictures::SmallPictures;
 use crate::tabs::{Tabs, Work};
 use crate::theme;
+use crate::typing::TypingInOrder;
 use burnish_assets::{ENVIRONMENTS, SHAPES};
 use burnish_material::{Material, Property};
 use checking::CheckWork;
@@ -143,6 +144,7 @@ impl App {
         ctx.set_fonts(theme::fonts());
         // A press elsewhere may begin a drag: what is being typed is done before that.
         ctx.options_mut(|options| options.input_options.surrender_focus_on = egui::SurrenderFocusOn::Presses);
+        ctx.add_plugin(TypingInOrder::default());
         let preview = LivePreview::new(render_state);
         let mut editor = Editor::new();
         if preview.problem().is_some() {
