@@ -29,7 +29,7 @@ pub use shelf::State;
 use crate::digest::Digest;
 use crate::places::Places;
 use crate::thumbnails::Thumbnail;
-use export::{Export, Order, Product};
+use export::{Order, Product};
 use index::Index;
 use marks::Marks;
 use pictures::{Making, Pictures, Wake};
@@ -307,18 +307,16 @@ impl Library {
         self.setup.as_ref()
     }
 
-    /// Makes a contact sheet or a pack of what is known by now, on a thread of its own that renders on `threads` threads. `wake` is called
-    /// there when there is something to poll. `None` in the first moments.
-    pub fn export(&self, product: Product, threads: usize, wake: impl Fn() + Send + Sync + 'static) -> Option<Export> {
-        let order = Order {
+    /// What makes a contact sheet or a pack of what is known by now, on any thread, rendering on `threads` threads. `None` in the first moments.
+    pub fn export(&self, product: Product, threads: usize) -> Option<Order> {
+        Some(Order {
             root: self.root.clone(),
             entries: self.entries.clone(),
             pictures: self.places.pictures.clone(),
             setup: self.setup.clone().filter(|_| self.progress.is_none())?,
             threads,
             product,
-        };
-        Some(Export::start(order, Arc::new(wake)))
+        })
     }
 
     /// Favourites and recent files.
