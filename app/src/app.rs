@@ -6,6 +6,7 @@ mod checking;
 mod comparing;
 mod documents;
 mod drops;
+mod exported;
 mod exporting;
 mod handing_out;
 mod job;

@@ -1,5 +1,6 @@
 //! Every gesture on every property with real events of mouse and keyboard: each does what it says, as exactly one step.
 
+use burnish::widgets::value_edit::edit_range;
 use burnish_material::{Kind, PropertyDef, Unit, Value};
 use burnish_tests::window::{
     CTRL, Window, app, button, click, drag, field_name, find, gesture, key, material, nothing, number, numeric, rect, release,
@@ -286,7 +287,7 @@ fn one_slow_frame_holds_a_click_and_what_is_typed_after_it() {
             send(window, [Event::PointerMoved(at), button(at, true), button(at, false)].into_iter().chain(typed).chain(enter));
             window.run_steps(2);
         });
-        let expected = 0.125_f64.max(def.limits.min.unwrap_or(0.0));
+        let expected = 0.125_f64.max(*edit_range(def).start());
         let value = match slot.value {
             Some(Value::Float(x)) => x,
             Some(Value::Color(v) | Value::Normal(v)) => v[1],
