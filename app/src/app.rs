@@ -1,6 +1,7 @@
 //! The window: one frame, in order. What commands do is in `app/actions.rs`.
 
 mod actions;
+mod asking;
 mod bars;
 mod checking;
 mod comparing;
@@ -12,6 +13,7 @@ mod handing_out;
 mod job;
 mod keeping;
 mod library;
+mod loaded;
 mod merge;
 mod pages;
 mod panes;
@@ -19,6 +21,7 @@ mod pick;
 mod pictures;
 mod release;
 mod rescue;
+mod saving;
 mod screenshot;
 mod sync;
 mod window;
