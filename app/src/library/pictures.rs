@@ -187,7 +187,7 @@ impl Pictures {
     }
 
     /// Orders the pictures of entries that are in sight, instead of what was ordered before: drafts of looks that there is no picture of,
-    /// then all that are not fresh, in slices of time that grow, so that none waits long for others ([`Slices`]).
+    /// then all that are not fresh, in slices of time that grow, so that none waits long for others.
     pub fn want(&mut self, entries: &[&Arc<Entry>], shelf: &Shelf, setup: &Arc<Setup>, makes: bool) {
         let digest = setup.digest();
         let shown: Vec<Key> = entries.iter().filter_map(|entry| self.best(entry, shelf, digest).1).collect();

@@ -85,7 +85,7 @@ fn a_slow_picture_does_not_hold_up_others_and_keeps_its_samples() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("library");
     let (entries, setup) = slow_and_quick(&root);
-    let mut thread = thread(&root, &entries, Slices::new([0.4, 0.6, 0.8], slices::MAX_BYTES));
+    let mut thread = thread(&root, &entries, Slices::new([1.0, 1.5, 2.0], slices::MAX_BYTES));
     let order = |entry: &Arc<Entry>, purpose| Order { entry: entry.clone(), setup: setup.clone(), purpose };
     let in_sight = entries.iter().map(|entry| order(entry, Purpose::Sight));
     thread.queue.set(in_sight.chain([order(&entries[0], Purpose::Batch)]).collect());
