@@ -170,7 +170,7 @@ impl LiveExport {
     }
 
     /// The first that waits, to be started; `None` where something is being made.
-    pub fn next(&mut self) -> Option<Task> {
+    pub fn take_next(&mut self) -> Option<Task> {
         if self.now.is_some() { None } else { Some(self.waiting.pop_front()?.task) }
     }
 

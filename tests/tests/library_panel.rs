@@ -3,8 +3,8 @@
 use burnish::app::App;
 use burnish::command::Command;
 use burnish::dock::Pane;
-use burnish::library::LibraryPlaces;
 use burnish::library::shelf::Shelf;
+use burnish::library::{LibraryPlaces, State};
 use burnish::panels::library::LibraryAction;
 use burnish::places::Places;
 use burnish_material::{Material, MaterialFile, Property, Value};
@@ -228,6 +228,27 @@ fn a_query_that_means_nothing_says_so() {
     let ctx = window.ctx.clone();
     app_mut(&mut window).do_in_library(LibraryAction::Rescan, &ctx);
     until(&mut window, "the missing folder to be noticed", |app| has_said(app, |text| text.contains("expected a folder")));
+}
+
+#[test]
+fn drafts_say_that_the_full_picture_is_still_to_come() {
+    let (folder, home) = (folder(), tempfile::tempdir().expect("a folder"));
+    let mut window = library(folder.path(), home.path());
+    let is_draft = |app: &App| {
+        let library = app.library().expect("it is open");
+        // The first of five: no full picture is begun before all of them are there.
+        library.entries().iter().any(|entry| library.state(entry) == State::Draft)
+    };
+    until(&mut window, "a draft", is_draft);
+    assert!(window.query_all_by_label_contains(", draft: the full picture is still to come").next().is_some());
+    assert_eq!(shown(&window), NAMES, "drafts have their names");
+    type_into(&mut window, "Search library", "is:draft");
+    assert!(!shown(&window).is_empty());
+    let at = card(&window, shown(&window)[0]).center();
+    send(&mut window, [Event::PointerMoved(at)]);
+    // It comes after a moment.
+    window.run_steps(60);
+    assert!(window.query_all_by_label("draft: the full picture is still to come").next().is_some());
 }
 
 /// Puts small pictures there as if they had been made.

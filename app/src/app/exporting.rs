@@ -198,7 +198,7 @@ impl App {
     /// Begins with what waits first. Not before it is said what becomes of a picture that could not be written: the next may not be either.
     pub(super) fn go_on_exporting(&mut self, ctx: &Context) {
         if self.exporting.unwritten.is_none()
-            && let Some(task) = self.exporting.live.next()
+            && let Some(task) = self.exporting.live.take_next()
         {
             self.start_export(task, ctx);
         }
