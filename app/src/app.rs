@@ -1,16 +1,19 @@
 //! The window: one frame, in order. What commands do is in `app/actions.rs`.
 
 mod actions;
+mod asking;
 mod bars;
 mod checking;
 mod comparing;
 mod documents;
 mod drops;
+mod exported;
 mod exporting;
 mod handing_out;
 mod job;
 mod keeping;
 mod library;
+mod loaded;
 mod merge;
 mod pages;
 mod panes;
@@ -18,6 +21,7 @@ mod pick;
 mod pictures;
 mod release;
 mod rescue;
+mod saving;
 mod screenshot;
 mod sync;
 mod window;
@@ -47,6 +51,7 @@ use crate::sides::Sides;
 use crate::small_pictures::SmallPictures;
 use crate::tabs::{Tabs, Work};
 use crate::theme;
+use crate::typing::TypingInOrder;
 use burnish_assets::{BackdropDef, ENVIRONMENTS, SHAPES};
 use burnish_material::{Material, Property};
 use checking::CheckWork;
@@ -143,6 +148,7 @@ impl App {
         ctx.set_fonts(theme::fonts());
         // A press elsewhere may begin a drag: what is being typed is done before that.
         ctx.options_mut(|options| options.input_options.surrender_focus_on = egui::SurrenderFocusOn::Presses);
+        ctx.add_plugin(TypingInOrder::default());
         let preview = LivePreview::new(render_state);
         let mut editor = Editor::new();
         if preview.problem().is_some() {

@@ -1,5 +1,7 @@
 //! The material document: one slot per property, and what people say about it.
 
+use std::collections::BTreeMap;
+
 use crate::properties::{Inputs, PROPERTIES, PROPERTY_COUNT, Property};
 use crate::slot::Slot;
 use crate::value::Value;
@@ -22,8 +24,13 @@ pub struct Material {
     pub provenance: Provenance,
     /// Millimetres per unit of the lengths in this material; `None` means [`DEFAULT_UNIT_MM`].
     pub unit_mm: Option<f64>,
+    /// What files of other formats said that ASM has no place for: by format and key, a JSON text each. Goes back out to that format.
+    pub foreign: Foreign,
     slots: Box<[Slot; PROPERTY_COUNT]>,
 }
+
+/// JSON texts by format, such as `gltf`, and key, such as `KHR_materials_iridescence`.
+pub type Foreign = BTreeMap<String, BTreeMap<String, String>>;
 
 /// Where the values of a material come from. Empty texts are absent in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,6 +54,7 @@ impl Default for Material {
             notes: String::new(),
             provenance: Provenance::default(),
             unit_mm: None,
+            foreign: Foreign::new(),
             slots: Box::new(std::array::from_fn(|_| Slot::default())),
         }
     }

@@ -70,6 +70,19 @@ macro_rules! asm_properties {
             pub fn gather(value_of: impl Fn(Property) -> Value) -> Self {
                 Self { $( $name: FromValue::from_value(value_of(Property::$name)) ),+ }
             }
+
+            /// The value of one property.
+            pub fn value(&self, property: Property) -> Value {
+                match property { $( Property::$name => Value::$kind(self.$name) ),+ }
+            }
+
+            /// Sets the value of one property; a value of another kind changes nothing.
+            pub fn set(&mut self, property: Property, value: Value) {
+                match (property, value) {
+                    $( (Property::$name, Value::$kind(value)) => self.$name = value, )+
+                    _ => {}
+                }
+            }
         }
 
         impl<T: Copy> Inputs<T> {

@@ -25,6 +25,10 @@ pub struct TextureRef {
     /// Whether 1 - x is read for x, after `color_space` has made x linear: a map of gloss then serves as one of roughness. In maps of
     /// directions only green is turned over, see [`Kind::inverted`](crate::Kind::inverted).
     pub is_inverted: bool,
+    /// Factor by channel on what was read, after the inversion. Nothing in maps of directions.
+    pub scale: [f64; 3],
+    /// What is added to each channel after that. Nothing in maps of directions.
+    pub bias: [f64; 3],
     /// What lies outside the unit square.
     pub wrap: Wrap,
     /// Repetitions per unit of uv.
@@ -43,6 +47,8 @@ impl TextureRef {
             channel: Channel::Rgb,
             color_space: ColorSpace::Auto,
             is_inverted: false,
+            scale: [1.0; 3],
+            bias: [0.0; 3],
             wrap: Wrap::Repeat,
             uv_scale: [1.0; 2],
             uv_offset: [0.0; 2],

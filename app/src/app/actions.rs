@@ -46,7 +46,6 @@ impl App {
             Command::FlipSides | Command::CompareSides => self.sides.stored().is_some(),
             Command::NextTab | Command::PreviousTab => self.tabs.count() > 1,
             Command::ContactSheet | Command::ExportPack => self.library().is_some_and(|library| !library.entries().is_empty()),
-            Command::RenderPicture | Command::RenderTurntable => self.can_render(),
             Command::StopRendering => !self.can_render(),
             Command::NextBookmark => !self.editor.view.bookmarks.is_empty(),
             _ => true,

@@ -214,15 +214,19 @@ pub(super) fn values_hash(material: &Material, textures: &[String]) -> Digest {
     for (def, (property, slot)) in PROPERTIES.iter().zip(material.slots()) {
         let value = material.value(property);
         all.text(def.name).numbers(value.numbers()).whole(&[u64::from(value == Value::Bool(true))]);
-        if let Some(TextureRef { path, channel, color_space, is_inverted, wrap, uv_scale, uv_offset, uv_rotation }) =
-            &slot.texture
-        {
+        if let Some(texture) = &slot.texture {
+            let TextureRef { path, channel, color_space, is_inverted, scale, bias, wrap, uv_scale, uv_offset, uv_rotation } =
+                texture;
             let place = textures.iter().position(|known| known == path);
             all.whole(&[place.map_or(0, |place| place as u64 + 1), u64::from(*is_inverted)])
                 .text(channel.word())
                 .text(color_space.word())
                 .text(wrap.word());
             all.numbers(uv_scale).numbers(uv_offset).numbers(&[*uv_rotation]);
+            // Where they change nothing, the hash is what it was before there were any.
+            if (*scale, *bias) != ([1.0; 3], [0.0; 3]) {
+                all.numbers(scale).numbers(bias);
+            }
         }
     }
     all.end()

@@ -1,0 +1,3 @@
+//! The shading models, one file each.
+
+pub mod open_pbr;
