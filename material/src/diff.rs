@@ -121,15 +121,22 @@ pub fn take(to: &mut Material, from: &Material, key: &str) -> bool {
     true
 }
 
+/// Whether [`take`] finds an entry of this key in either material: unknown keys and sources of single values belong to their files alone.
+pub fn can_take(a: &Material, b: &Material, key: &str) -> bool {
+    if key.starts_with("foreign.") {
+        return [a, b].into_iter().flat_map(foreign::keys).any(|(format, name)| entry_key(format, name) == key);
+    }
+    take(&mut Material::default(), &Material::default(), key)
+}
+
 /// A dot in a name can make two entries of one key; both are taken then.
 fn take_foreign(to: &mut Material, from: &Material, key: &str) -> bool {
     let old = to.clone();
-    let mut is_there = false;
-    for (format, name) in foreign::keys(&old).chain(foreign::keys(from)).filter(|(format, name)| entry_key(format, name) == key) {
-        let text = from.foreign_text(format, name).map(str::to_owned);
-        is_there |= to.set_foreign(format, name, text).is_ok();
-    }
-    is_there
+    let found: Vec<_> =
+        [&old, from].into_iter().flat_map(foreign::keys).filter(|(format, name)| entry_key(format, name) == key).collect();
+    // Beyond what a material holds, nothing is taken.
+    found.iter().for_each(|(format, name)| _ = to.set_foreign(format, name, from.foreign_text(format, name).map(str::to_owned)));
+    !found.is_empty()
 }
 
 fn take_lengths(to: &mut Material, from: &Material) {

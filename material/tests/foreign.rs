@@ -1,6 +1,6 @@
 //! Texts of other formats: how a file holds them, and how they are compared and merged.
 
-use burnish_material::diff::{changes, file_changes, take};
+use burnish_material::diff::{can_take, changes, file_changes, take};
 use burnish_material::merge::{Side, merge, merge_files};
 use burnish_material::{ForeignError, MAX_FOREIGN_BYTES, MAX_FOREIGN_TEXTS, Material, MaterialFile, Warning};
 
@@ -155,8 +155,10 @@ fn differences_are_told_and_taken_one_by_one() {
         assert!(take(&mut taken, &b, &change.key));
     }
     assert_eq!(taken, b);
-    assert!(take(&mut taken, &b, "foreign.x.y.z"));
-    assert!(!take(&mut taken, &b, "foreign.usd.ui") && !take(&mut taken, &b, "foreign."));
+    for (key, is_there) in [("foreign.x.y.z", true), ("foreign.usd.ui", false), ("foreign.", false), ("foreign", false)] {
+        assert_eq!((can_take(&taken, &b, key), take(&mut taken, &b, key)), (is_there, is_there), "{key}");
+    }
+    assert!(can_take(&a, &b, "foreign.usd.ui") && can_take(&a, &b, "roughness.texture") && !can_take(&a, &b, "velvet"));
     // The same of files, with what is strange in one of them.
     let strange = read("{\"asm\": \"4.0\", \"name\": \"m\", \"foreign\": {\"x\": 3}}").0;
     let keys: Vec<_> = file_changes(&MaterialFile::new(&b), &strange).into_iter().map(|change| change.key).collect();
