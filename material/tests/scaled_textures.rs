@@ -16,7 +16,7 @@ fn textured(edit: impl Fn(&mut TextureRef)) -> Material {
 }
 
 fn texture(material: &Material) -> &TextureRef {
-    material.slot(P::base_color).texture.as_ref().unwrap()
+    material.slot(P::base_color).texture.as_ref().expect("it has a texture")
 }
 
 #[test]
