@@ -211,11 +211,11 @@ pub fn unite(path: &Path, other: &Path) -> Planned {
                 }
             }
             for (format, texts) in &theirs.foreign {
-                for (key, text) in
-                    texts.iter().filter(|(key, _)| material.foreign_text(format, key).is_none()).collect::<Vec<_>>()
-                {
-                    // What is too much stays out; the file that goes can be brought back.
-                    _ = material.set_foreign(format, key, Some(text.clone()));
+                for (key, text) in texts {
+                    if material.foreign_text(format, key).is_none() {
+                        // What is too much stays out; the file that goes can be brought back.
+                        _ = material.set_foreign(format, key, Some(text.clone()));
+                    }
                 }
             }
         })?;
