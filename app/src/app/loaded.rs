@@ -70,7 +70,7 @@ impl App {
                         // What was said of another image does not hold for this one.
                         let fresh = TextureRef::new(String::new());
                         (texture.channel, texture.color_space) = (fresh.channel, fresh.color_space);
-                        texture.is_inverted = fresh.is_inverted;
+                        (texture.is_inverted, texture.scale, texture.bias) = (fresh.is_inverted, fresh.scale, fresh.bias);
                     });
                 });
             }
