@@ -1,4 +1,5 @@
-//! Whose turn it is among pictures in sight: each gets a little time before any gets more, and what it has so far is put aside meanwhile.
+//! Whose turn it is among pictures in sight: each gets a little time before any gets more, and what it has so far is put aside meanwhile. Drafts tell
+//! which are quick, and which need not try in a short slice.
 //!
 //! The samples of a small picture take 7 to 14 MB. Those that find no room are lost, and such a picture begins anew with its next, longer slice.
 
