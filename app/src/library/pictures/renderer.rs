@@ -68,7 +68,7 @@ impl PictureThread {
         }
         let (seconds, is_last) = match purpose {
             Purpose::Draft => (DRAFT_SECONDS, true),
-            Purpose::Sight => self.slices.limit(key),
+            Purpose::Sight => self.slices.limit(order),
             Purpose::Batch => (DEFAULT_SECONDS, true),
         };
         let limits = Limits { seconds, threads: self.threads.load(Ordering::Relaxed) };
@@ -78,11 +78,11 @@ impl PictureThread {
         match rendering.stop_reason {
             StopReason::Cancelled if is_draft => return Ok(Outcome::Unwanted),
             StopReason::Cancelled => {
-                self.slices.put_aside(key, &rendering, false, is_wanted);
+                self.slices.put_aside(order, &rendering, false, is_wanted);
                 return Ok(Outcome::Unwanted);
             }
             StopReason::Time if !is_last => {
-                self.slices.put_aside(key, &rendering, true, is_wanted);
+                self.slices.put_aside(order, &rendering, true, is_wanted);
                 return Ok(Outcome::PutAside);
             }
             _ => {}
@@ -90,7 +90,7 @@ impl PictureThread {
         let made = setup.develop(&rendering)?;
         self.made.insert(key);
         if is_draft {
-            self.slices.expect(entry.look, rendering.seconds, made.relmse);
+            self.slices.expect(entry.look, setup, rendering.seconds, made.relmse);
         } else {
             self.slices.done(key);
         }

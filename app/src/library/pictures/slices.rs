@@ -1,22 +1,26 @@
-//! Whose turn it is among pictures in sight: each gets a little time before any gets more, and what it has so far is put aside meanwhile.
+//! Whose turn it is among pictures in sight: each gets a little time before any gets more, and what it has so far is put aside meanwhile. Drafts tell
+//! which are quick, and which need not try in a short slice.
 //!
 //! The samples of a small picture take 7 to 14 MB. Those that find no room are lost, and such a picture begins anew with its next, longer slice.
 
 use super::{Key, Order, Purpose};
 use crate::digest::Digest;
-use crate::library::setup::DEFAULT_SECONDS;
+use crate::library::setup::{DEFAULT_SECONDS, Frame, Setup};
 use burnish_renderer::path::{Kept, Rendering};
 use std::collections::HashMap;
 
 /// Seconds of rendering, from the very beginning, after which a picture in sight makes room for the others; the last of them end it for good.
 pub const SLICES: [f64; 3] = [5.0, 20.0, DEFAULT_SECONDS];
+/// A slice is left out where the draft lets expect this many times its length: half a picture is nothing to look at. Drafts say too much rather than
+/// too little, since their time includes what is done once.
+const SURPLUS: f64 = 4.0;
 /// Bytes of samples that are put aside.
 pub const MAX_BYTES: usize = 256 << 20;
 
 /// A picture that had a slice, or was given up within one.
 #[derive(Default)]
 struct Begun {
-    /// Slices that it has had.
+    /// Slices that it has had, or that were left out.
     had: usize,
     /// Its samples, as [`Rendering::keep`] made them; empty where they found no room.
     samples: Vec<u8>,
@@ -28,7 +32,8 @@ pub struct Slices {
     max_bytes: usize,
     begun: HashMap<Key, Begun>,
     bytes: usize,
-    /// Error times time of the draft of a look, which is the time to any error but for a factor that all of them share.
+    /// Seconds, times error, per pixel of the draft of a look: the error of random samples falls as their time grows, so that this is the same for any
+    /// size and quality, about.
     costs: HashMap<Digest, f64>,
 }
 
@@ -43,40 +48,51 @@ impl Slices {
     pub fn rank(&self, order: &Order) -> (usize, u64) {
         match order.purpose {
             Purpose::Draft => (0, 0),
-            Purpose::Sight => {
-                let cost = self.costs.get(&order.entry.look).copied().unwrap_or_default();
-                // As whole numbers, since those have an order; infinity becomes the largest.
-                (1 + self.had(order.key()), (1e9 * cost) as u64)
-            }
+            // As whole milliseconds, since those have an order; infinity becomes the largest.
+            Purpose::Sight => (1 + self.slice(order), (1e3 * self.expected(order).unwrap_or_default()) as u64),
             Purpose::Batch => (1 + self.limits.len(), 0),
         }
     }
 
-    fn had(&self, key: Key) -> usize {
-        self.begun.get(&key).map_or(0, |begun| begun.had.min(self.limits.len() - 1))
+    /// Seconds that a picture is expected to take, if its draft was made.
+    fn expected(&self, order: &Order) -> Option<f64> {
+        let Frame { width, height, relmse, .. } = order.setup.frame();
+        Some(self.costs.get(&order.entry.look)? * (width * height) as f64 / relmse)
+    }
+
+    /// Which slice is next.
+    fn slice(&self, order: &Order) -> usize {
+        let had = self.begun.get(&order.key()).map_or(0, |begun| begun.had);
+        let expected = self.expected(order).unwrap_or_default();
+        let too_short = self.limits.iter().take_while(|limit| expected > SURPLUS * **limit).count();
+        had.max(too_short).min(self.limits.len() - 1)
     }
 
     /// Seconds of rendering, from the very beginning, that a picture in sight may have by the end of its next slice, and whether that is the last.
-    pub fn limit(&self, key: Key) -> (f64, bool) {
-        let had = self.had(key);
-        (self.limits[had], had + 1 == self.limits.len())
+    pub fn limit(&self, order: &Order) -> (f64, bool) {
+        let slice = self.slice(order);
+        (self.limits[slice], slice + 1 == self.limits.len())
     }
 
-    /// Takes note of what the draft of a look took: seconds, and the error that was reached in them, if there is any.
-    pub fn expect(&mut self, look: Digest, seconds: f64, relmse: Option<f64>) {
-        self.costs.insert(look, relmse.map_or(f64::INFINITY, |relmse| seconds * relmse));
+    /// Takes note of what the draft of a look took in this setup: seconds, and the error that was reached in them, if there is any.
+    pub fn expect(&mut self, look: Digest, draft: &Setup, seconds: f64, relmse: Option<f64>) {
+        let Frame { width, height, .. } = draft.frame();
+        let cost = relmse.map_or(f64::INFINITY, |relmse| seconds * relmse / (width * height) as f64);
+        self.costs.insert(look, cost);
     }
 
     /// Puts a picture aside, at the end of a slice or within one. Samples of looks that are not wanted now make room.
-    pub fn put_aside(&mut self, key: Key, rendering: &Rendering, is_slice_over: bool, is_wanted: impl Fn(Digest) -> bool) {
-        let samples = rendering.keep();
+    pub fn put_aside(&mut self, order: &Order, rendering: &Rendering, is_slice_over: bool, is_wanted: impl Fn(Digest) -> bool) {
+        let (slice, samples) = (self.slice(order), rendering.keep());
         if self.bytes + samples.len() > self.max_bytes {
             for (_, begun) in self.begun.iter_mut().filter(|((look, _), _)| !is_wanted(*look)) {
                 self.bytes -= std::mem::take(&mut begun.samples).len();
             }
         }
-        let begun = self.begun.entry(key).or_default();
-        begun.had += usize::from(is_slice_over);
+        let begun = self.begun.entry(order.key()).or_default();
+        if is_slice_over {
+            begun.had = slice + 1;
+        }
         self.bytes -= std::mem::take(&mut begun.samples).len();
         if self.bytes + samples.len() <= self.max_bytes {
             self.bytes += samples.len();

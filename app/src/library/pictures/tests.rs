@@ -53,11 +53,11 @@ fn drafts_come_first_and_are_not_kept() {
 }
 
 /// A sphere in the dark, and two materials: the first shines and has edges whose error never is small enough, the second has no noise at all.
-fn slow_and_quick(root: &Path) -> (Vec<Arc<Entry>>, Arc<Setup>) {
+fn slow_and_quick(root: &Path, relmse: f64) -> (Vec<Arc<Entry>>, Arc<Setup>) {
     let model: ModelMeshes = make_shape("sphere").unwrap().into();
     let light = EnvironmentLight { map: Arc::new(make_environment("black").unwrap()), rotation_deg: 0.0, scale: 1.0 };
     let scene = Scene::of_model(&model, Arc::default(), Arc::default(), light, model.unit_mm);
-    let frame = Frame { width: 16, height: 16, relmse: 1e-12, ..Frame::default() };
+    let frame = Frame { width: 16, height: 16, relmse, ..Frame::default() };
     let (shape, environment) = (Some("sphere".to_owned()), Some("black".to_owned()));
     let stage = Stage { scene, shape, backdrop: None, environment, has_unit: true };
     let (mut slow, quick) = (Material::named("slow"), Material::named("quick"));
@@ -85,7 +85,7 @@ fn thread(root: &Path, entries: &[Arc<Entry>], slices: Slices) -> PictureThread 
 fn a_slow_picture_does_not_hold_up_others_and_keeps_its_samples() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("library");
-    let (entries, setup) = slow_and_quick(&root);
+    let (entries, setup) = slow_and_quick(&root, 1e-12);
     // In no time at all, what is taken up keeps its samples, and what begins anew gets none.
     let mut thread = thread(&root, &entries, Slices::new([1.0, 0.0, 2.0], slices::MAX_BYTES));
     let order = |entry: &Arc<Entry>, purpose| Order { entry: entry.clone(), setup: setup.clone(), purpose };
@@ -117,7 +117,7 @@ fn a_slow_picture_does_not_hold_up_others_and_keeps_its_samples() {
 fn what_is_scrolled_away_keeps_its_samples_until_they_are_in_the_way() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("library");
-    let (entries, setup) = slow_and_quick(&root);
+    let (entries, setup) = slow_and_quick(&root, 1e-12);
     let mut renderer = Renderer::new(&root);
     let limits = Limits { seconds: 60.0, threads: 1 };
     let mut begin = |entry: usize, begun: Option<Kept>| {
@@ -131,38 +131,40 @@ fn what_is_scrolled_away_keeps_its_samples_until_they_are_in_the_way() {
     let size = rendering.keep().len();
     // Room for one.
     let mut slices = Slices::new([5.0, 20.0, 120.0], size + size / 2);
-    assert_eq!((slices.limit(slow.key()), slices.take_up(slow.key()).is_none()), ((5.0, false), true));
-    slices.put_aside(slow.key(), &rendering, false, |_| true);
-    assert_eq!((slices.limit(slow.key()), slices.bytes()), ((5.0, false), size), "no slice of it is over");
+    assert_eq!((slices.limit(&slow), slices.take_up(slow.key()).is_none()), ((5.0, false), true));
+    slices.put_aside(&slow, &rendering, false, |_| true);
+    assert_eq!((slices.limit(&slow), slices.bytes()), ((5.0, false), size), "no slice of it is over");
     // It goes on from there.
     let begun = slices.take_up(slow.key());
     assert_eq!((begun.as_ref().map(Kept::spp), slices.bytes()), (Some(rendering.film.spp()), 0));
     let further = begin(0, begun);
     assert!(further.film.spp() > rendering.film.spp());
-    slices.put_aside(slow.key(), &further, true, |_| true);
-    assert_eq!(slices.limit(slow.key()), (20.0, false));
+    slices.put_aside(&slow, &further, true, |_| true);
+    assert_eq!(slices.limit(&slow), (20.0, false));
     // The second finds no room while the first is wanted, and takes it then.
     let other = begin(1, None);
-    slices.put_aside(quick.key(), &other, true, |_| true);
+    slices.put_aside(&quick, &other, true, |_| true);
     assert_eq!((slices.spp(slow.key()), slices.spp(quick.key())), (Some(further.film.spp()), None));
-    slices.put_aside(quick.key(), &other, true, |look| look == quick.entry.look);
+    slices.put_aside(&quick, &other, true, |look| look == quick.entry.look);
     assert_eq!((slices.spp(slow.key()), slices.spp(quick.key())), (None, Some(other.film.spp())));
-    assert_eq!((slices.limit(slow.key()), slices.limit(quick.key())), ((20.0, false), (120.0, true)), "slices are not forgotten");
+    assert_eq!((slices.limit(&slow), slices.limit(&quick)), ((20.0, false), (120.0, true)), "slices are not forgotten");
 }
 
 #[test]
 fn pictures_come_by_slices_and_then_by_what_they_cost() {
     let folder = tempfile::tempdir().unwrap();
-    let (entries, setup) = slow_and_quick(&folder.path().join("library"));
+    let (entries, setup) = slow_and_quick(&folder.path().join("library"), 0.01);
     let order = |entry: usize, purpose| Order { entry: entries[entry].clone(), setup: setup.clone(), purpose };
     let mut slices = Slices::new([5.0, 20.0, 120.0], 0);
     let sight = [0, 1].map(|entry| order(entry, Purpose::Sight));
     let rank = |slices: &Slices| [slices.rank(&sight[0]), slices.rank(&sight[1])];
     assert_eq!(rank(&slices)[0], rank(&slices)[1], "nothing is known");
-    slices.expect(entries[0].look, 1.0, None);
-    slices.expect(entries[1].look, 0.5, Some(0.01));
+    // A quarter of the pixels: 4 and 16 seconds.
+    let draft = setup.draft();
+    slices.expect(entries[0].look, &draft, 1.0, Some(0.04));
+    slices.expect(entries[1].look, &draft, 0.5, Some(0.02));
     let [slow, quick] = rank(&slices);
-    assert!(quick < slow);
+    assert!(quick < slow && slow.0 == quick.0, "{slow:?} {quick:?}");
     let ends = [slices.rank(&order(0, Purpose::Draft)), slices.rank(&order(1, Purpose::Batch))];
     assert!(ends[0] < quick && slow < ends[1]);
     // The quick one has had its first slice: the slow one comes before its second.
@@ -170,11 +172,18 @@ fn pictures_come_by_slices_and_then_by_what_they_cost() {
     let rendering =
         setup.expose(&setup.scene_of(Material::default(), Default::default()), &mut last, None, limits, &mut |_| false);
     for _ in 0..5 {
-        slices.put_aside(sight[1].key(), &rendering, true, |_| true);
+        slices.put_aside(&sight[1], &rendering, true, |_| true);
         let [slow, quick] = rank(&slices);
         assert!(slow < quick && quick < ends[1]);
     }
     slices.done(sight[1].key());
-    let [slow, quick] = rank(&slices);
-    assert!(quick < slow);
+    assert!(rank(&slices)[1] < rank(&slices)[0]);
+    // Slices in which it will hardly be done are left out: 40, 100 and more seconds.
+    for (relmse, limit) in [(Some(0.1), (20.0, false)), (Some(0.25), (120.0, true)), (None, (120.0, true))] {
+        slices.expect(entries[0].look, &draft, 1.0, relmse);
+        assert_eq!(slices.limit(&sight[0]), limit, "{relmse:?}");
+    }
+    slices.expect(entries[0].look, &draft, 1.0, Some(0.1));
+    slices.put_aside(&sight[0], &rendering, true, |_| true);
+    assert_eq!(slices.limit(&sight[0]), (120.0, true), "the one after that is the last");
 }
