@@ -88,6 +88,10 @@ fn a_specular_colour_above_one_is_a_level() {
     textured["materials"][0]["extensions"]["KHR_materials_specular"]["specularTexture"] = json!({ "index": 0 });
     let level = only(&textured).0.slot(Property::specular_level).texture.clone().expect("the image");
     assert_eq!((level.channel, level.scale), (Channel::A, [1.0; 3]));
+    // An image of levels up to the middle goes out as it came.
+    let body = json!({ "specularFactor": 0.8, "specularTexture": { "index": 0 } });
+    let (material, _) = only(&with_image(json!({ "extensions": { "KHR_materials_specular": body } })));
+    assert_eq!(gltf(&material)["materials"][0]["extensions"]["KHR_materials_specular"], body);
 }
 
 #[test]
@@ -150,6 +154,35 @@ fn bodies_are_read_with_their_walls() {
     near(wax.float(Property::scatter_distance), 1.0 / std::f64::consts::LN_2);
     assert_eq!(wax.color(Property::scatter_color), [0.9, 0.5, 0.5]);
     assert!(wax.foreign["gltf"].contains_key("KHR_materials_volume_scatter"));
+}
+
+#[test]
+fn a_thin_wall_goes_back_out_thin() {
+    let json = of_material(json!({ "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1.0 } } }));
+    let (mut material, notes) = only(&json);
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    let out = gltf(&material);
+    assert_eq!(out["materials"][0]["extensions"], json["materials"][0]["extensions"]);
+    assert_eq!(only(&out), (material.clone(), Vec::new()));
+    material.set(Property::absorption_distance, Value::Float(1.0));
+    let volume = &gltf(&material)["materials"][0]["extensions"]["KHR_materials_volume"];
+    assert_eq!(volume["thicknessFactor"], json!(1.0));
+}
+
+#[test]
+fn drafts_are_read_and_kept() {
+    let coat = json!({ "coatFactor": 0.7, "coatRoughnessFactor": 0.3, "coatIor": 1.8, "coatColorFactor": [0.9, 0.8, 0.7] });
+    let (material, notes) = only(&extended("KHR_materials_coat", coat.clone()));
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert_eq!((material.float(Property::coat), material.float(Property::coat_ior)), (0.7, 1.8));
+    assert_eq!(material.color(Property::coat_color), [0.9, 0.8, 0.7]);
+    assert_eq!(gltf(&material)["materials"][0]["extensions"]["KHR_materials_coat"], coat);
+    let fuzz = json!({ "fuzzFactor": 0.8, "fuzzColorFactor": [0.9, 0.5, 0.2], "fuzzRoughnessFactor": 0.6, "fuzzTexture": { "index": 0 } });
+    let (material, notes) = only(&extended("KHR_materials_fuzz", fuzz));
+    assert_eq!(notes[0], "/materials/0: the images of KHR_materials_fuzz, a draft, are not read");
+    near(material.float(Property::sheen), 0.8);
+    near(material.color(Property::sheen_color)[1], 0.5);
+    near(material.float(Property::sheen_roughness), 0.6);
 }
 
 #[test]

@@ -24,9 +24,7 @@ pub(super) fn collect(material: &Json, images: &Images) -> BTreeMap<String, Json
     for (name, body) in material.get("extensions").and_then(Json::as_object).into_iter().flatten() {
         let is_image_of_directions = super::json::at(material, ANISOTROPY_IMAGE).is_some() && ANISOTROPY_IMAGE.starts_with(name);
         if !is_read(name) || is_image_of_directions {
-            let mut body = body.clone();
-            name_images(&mut body, images);
-            kept.insert(name.clone(), body);
+            kept.insert(name.clone(), named(body, images));
         }
     }
     if material.get("doubleSided").and_then(Json::as_bool) == Some(true) {
@@ -43,6 +41,18 @@ pub(super) fn collect(material: &Json, images: &Images) -> BTreeMap<String, Json
     }
     kept.retain(|_, body| body.to_string().len() <= MAX_ENTRY_BYTES);
     kept
+}
+
+/// Whether the user should hear of it: not of what changes no look, nor of what a note tells of already.
+pub(super) fn is_worth_a_note(key: &str) -> bool {
+    !["doubleSided", "extras", "KHR_materials_unlit", "KHR_materials_volume"].contains(&key)
+}
+
+/// What is kept of an extension: numbers of textures become what they mean.
+pub(super) fn named(body: &Json, images: &Images) -> Json {
+    let mut body = body.clone();
+    name_images(&mut body, images);
+    body
 }
 
 /// Whether all that an extension says is read.
@@ -98,6 +108,16 @@ fn beside(key: &str) -> &'static [Property] {
         "alphaMode" => &[P::opacity],
         "KHR_materials_unlit" => &[P::base_color, P::metallic, P::specular_level, P::emission, P::emission_color],
         "KHR_materials_anisotropy" => &[P::roughness, P::anisotropy, P::anisotropy_rotation],
+        "KHR_materials_volume" => &[
+            P::translucency,
+            P::scatter,
+            P::scatter_distance,
+            P::dispersion,
+            P::absorption_color,
+            P::absorption_distance,
+            P::volume_thickness,
+            P::volume_thickness_scale,
+        ],
         "KHR_materials_iridescence" => &[P::specular_level, P::specular_ior],
         "KHR_materials_volume_scatter" => &[P::translucency, P::scatter, P::scatter_color, P::scatter_distance],
         "KHR_materials_diffuse_roughness" => &[P::base_color, P::roughness],

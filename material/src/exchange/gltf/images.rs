@@ -98,6 +98,9 @@ pub(super) fn list<'a>(root: &'a Json, key: &str) -> &'a [Json] {
 fn texture(root: &Json, images: &[Result<Image, String>], texture: &Json) -> Result<TextureRef, String> {
     let extended = |name: &str| texture.get("extensions")?.get(name)?.get("source");
     let source = texture.get("source").or_else(|| extended("EXT_texture_webp")).or_else(|| extended("KHR_texture_basisu"));
+    if source.is_none() {
+        return Err("expected a source, found none".to_owned());
+    }
     let index = source.and_then(Json::as_u64).and_then(|index| usize::try_from(index).ok());
     let Some(image) = index.and_then(|index| images.get(index)) else {
         let expected = format!("a number below {}, the number of images", images.len());

@@ -8,7 +8,7 @@ use super::error::Wrong;
 use super::images::Images;
 use super::json::{at, pointer};
 use super::slots::{self, SLOTS, field};
-use super::{foreign, glossiness};
+use super::{drafts, foreign, glossiness};
 use crate::exchange::field::Fields;
 use crate::exchange::model::Notes;
 use crate::exchange::models::gltf::Gltf;
@@ -38,8 +38,9 @@ pub(super) fn read(json: &Json, place: &str, images: &Images, notes: &mut Notes)
     for slot in SLOTS {
         reader.slot(slot);
     }
-    reader.scattering();
+    drafts::read(&mut reader);
     let mut foreign = foreign::collect(json, images);
+    reader.walls(&mut foreign);
     reader.alpha_mode(&mut foreign);
     reader.unlit();
     Read { fields: reader.fields, foreign }
@@ -209,21 +210,13 @@ impl Reader<'_> {
         }
     }
 
-    /// A draft that says the colour of scattering: the body then scatters, whichever way light goes through it.
-    fn scattering(&mut self) {
-        const DRAFT: &str = "KHR_materials_volume_scatter";
-        if at(self.json, DRAFT).is_none() {
-            return;
-        }
-        let (diffuse, clear) = (self.float(slots::DIFFUSE), self.float(slots::TRANSMISSION));
-        self.say(slots::DIFFUSE, Value::Float(diffuse.max(clear)));
-        self.say(slots::TRANSMISSION, Value::Float(0.0));
-        let name = "KHR_materials_volume_scatter.multiscatterColorFactor";
-        let color = [name, "KHR_materials_volume_scatter.multiscatterColor"].into_iter().find_map(|name| at(self.json, name));
-        match color.map(|json| read_value(Kind::Color, json)) {
-            Some(Some(color)) => self.say(slots::DIFFUSE_COLOR, color),
-            Some(None) => self.wrong(name, Kind::Color.expectation()),
-            None => self.say(slots::DIFFUSE_COLOR, Value::Color([0.0; 3])),
+    /// A body without thickness, a thin wall: kept as such, because ASM makes it solid.
+    fn walls(&mut self, foreign: &mut BTreeMap<String, Json>) {
+        let passes = self.float(slots::TRANSMISSION) > 0.0 || self.float(slots::DIFFUSE) > 0.0;
+        if passes && self.float(slots::THICKNESS_FACTOR) <= 0.0 && self.float(slots::DISPERSION) == 0.0 {
+            const VOLUME: &str = "KHR_materials_volume";
+            let body = at(self.json, VOLUME).map_or(Json::Null, |body| foreign::named(body, self.images));
+            foreign.insert(VOLUME.to_owned(), body);
         }
     }
 

@@ -10,6 +10,7 @@
 mod container;
 mod document;
 mod draft;
+mod drafts;
 mod error;
 mod files;
 mod foreign;

@@ -78,7 +78,7 @@ impl Found {
             material.name.clone_from(&self.name);
         }
         foreign::take(&self.foreign, self.native.is_some(), &mut material);
-        for key in self.foreign.keys().filter(|_| self.native.is_none()) {
+        for key in self.foreign.keys().filter(|key| self.native.is_none() && foreign::is_worth_a_note(key)) {
             notes.push(format!("{key}: ASM has no place for it; kept for the way back to glTF"));
         }
         (material, notes)

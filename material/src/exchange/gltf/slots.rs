@@ -41,6 +41,8 @@ pub(super) const ATTENUATION: &str = "KHR_materials_volume.attenuationDistance";
 pub(super) const DIFFUSE: &str = "KHR_materials_diffuse_transmission.diffuseTransmissionFactor";
 pub(super) const DIFFUSE_COLOR: &str = "KHR_materials_diffuse_transmission.diffuseTransmissionColorFactor";
 pub(super) const COAT: &str = "KHR_materials_clearcoat.clearcoatFactor";
+pub(super) const COAT_ROUGHNESS: &str = "KHR_materials_clearcoat.clearcoatRoughnessFactor";
+pub(super) const COAT_TINT: &str = "ADOBE_materials_clearcoat_tint.clearcoatTintFactor";
 pub(super) const COAT_IOR: &str = "ADOBE_materials_clearcoat_specular.clearcoatIor";
 pub(super) const ANISOTROPY_IMAGE: &str = "KHR_materials_anisotropy.anisotropyTexture";
 
@@ -85,23 +87,14 @@ pub(super) const SLOTS: &[Slot] = &[
         )
     },
     shared("KHR_materials_clearcoat.clearcoatTexture", ("coat_amount", "coat"), &[(COAT, Channel::R)]),
-    shared(
-        "KHR_materials_clearcoat.clearcoatRoughnessTexture",
-        ("coat_roughness", "coat"),
-        &[("KHR_materials_clearcoat.clearcoatRoughnessFactor", Channel::G)],
-    ),
+    shared("KHR_materials_clearcoat.clearcoatRoughnessTexture", ("coat_roughness", "coat"), &[(COAT_ROUGHNESS, Channel::G)]),
     own(
         "KHR_materials_clearcoat.clearcoatNormalTexture",
         "coat_normal",
         false,
         &[("KHR_materials_clearcoat.clearcoatNormalTexture", Channel::Rgb)],
     ),
-    own(
-        "ADOBE_materials_clearcoat_tint.clearcoatTintTexture",
-        "coat_color",
-        true,
-        &[("ADOBE_materials_clearcoat_tint.clearcoatTintFactor", Channel::Rgb)],
-    ),
+    own("ADOBE_materials_clearcoat_tint.clearcoatTintTexture", "coat_color", true, &[(COAT_TINT, Channel::Rgb)]),
     shared(
         "ADOBE_materials_clearcoat_specular.clearcoatSpecularTexture",
         ("coat_level", "coat"),

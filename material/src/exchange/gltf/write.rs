@@ -76,7 +76,9 @@ pub fn write(parts: &[Part], mesh: Option<&Mesh>, options: &Options) -> Result<W
         mesh.write(parts.len(), &mut body, &mut blob)?;
     }
     textures.write(&files, &mut body);
-    body.insert("materials".to_owned(), Json::Array(materials));
+    if !materials.is_empty() {
+        body.insert("materials".to_owned(), Json::Array(materials));
+    }
     let (used, required) = extensions(&body);
     for (key, names) in [("extensionsUsed", used), ("extensionsRequired", required)] {
         if !names.is_empty() {
@@ -168,6 +170,8 @@ impl Writer<'_> {
             foreign::number_images(&mut body, &mut |path, wrap| self.textures.number(self.files.used(path), wrap));
             if ["doubleSided", "extras"].contains(&key.as_str()) {
                 material.insert(key, body);
+            } else if body.is_null() {
+                // What is kept is that there was nothing.
             } else if let Some(all) = material.entry("extensions").or_insert_with(|| json!({})).as_object_mut() {
                 all.insert(key, body);
             }

@@ -77,7 +77,7 @@ pub fn translate(i: &Inputs<f64>, context: &Context) -> Gltf {
     let transmission = if i.scatter { 0.0 } else { i.translucency };
     let tint = if i.absorption_distance == 0.0 { i.absorption_color } else { [1.0; 3] };
     let brightest = f::largest(i.emission_color).max(1.0);
-    let is_dark = i.emission == 0.0;
+    let is_dark = i.emission == 0.0 || f::largest(i.emission_color) <= 0.0;
     let (attenuation_color, attenuation_distance) = attenuation(i, context);
     let level = 2.0 * i.specular_level;
     let coat_level = 2.0 * i.coat_specular_level;
