@@ -8,6 +8,7 @@
 
 pub mod field;
 pub mod formulas;
+pub mod gltf;
 pub mod interpreting;
 pub mod loss;
 pub mod merge;

@@ -6,7 +6,7 @@ use super::models;
 use super::texture::{Image, Link, link};
 use crate::material::Material;
 use crate::properties::{Inputs, PROPERTIES, Property};
-use crate::value::Value;
+use crate::value::{Value, Vary};
 
 /// What a translation has to know beside the values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ pub struct ShadingModel {
 }
 
 /// Every shading model that something is translated to or from.
-pub const MODELS: &[&ShadingModel] = &[&models::open_pbr::MODEL];
+pub const MODELS: &[&ShadingModel] = &[&models::open_pbr::MODEL, &models::gltf::MODEL];
 
 /// What a material becomes in a shading model.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,6 +113,9 @@ impl ShadingModel {
                 if field.texture.is_some() {
                     textured.push(place);
                 }
+            }
+            if def.vary == Vary::Uniform {
+                textured.clear();
             }
             let value = inputs.value(def.id);
             if value != def.default || (is_said && textured.is_empty()) {
