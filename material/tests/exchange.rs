@@ -135,11 +135,14 @@ fn a_copy_that_is_wrong_costs_notes_and_no_values() {
 /// Properties whose number a model keeps, for a material with every property off its default.
 #[test]
 fn what_the_mapping_calls_exact_is_found_exact() {
-    let kept = [(
-        "open_pbr_surface",
-        "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency \
-          specular_ior dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness height_scale",
-    )];
+    let kept = [
+        (
+            "open_pbr_surface",
+            "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency \
+              specular_ior dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness height_scale",
+        ),
+        ("usd_preview_surface", "base_color roughness metallic specular_ior coat coat_roughness ambient_occlusion"),
+    ];
     let mut material = Material::named("off");
     for (property, value) in [
         (Property::roughness, 0.37),

@@ -1,3 +1,4 @@
 //! The shading models, one file each.
 
 pub mod open_pbr;
+pub mod usd_preview;

@@ -1,0 +1,511 @@
+//! usda text to a tree.
+//!
+//! One layer is read: files that it refers to are named in notes and not followed. Of variants the selected one counts; of values that
+//! change over time, the first. Prims are parsed without recursion, values with a bounded one.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+use super::error::{MAX_DEPTH, MAX_PRIMS, MAX_USDA_BYTES, UsdError};
+use super::layer::{Attribute, Entries, Layer, Prim, PrimId, Value, entry};
+use super::lex::{Lexer, Token};
+
+/// Parses the text of a layer.
+pub fn parse(text: &str) -> Result<Layer<'_>, UsdError> {
+    if text.len() > MAX_USDA_BYTES {
+        return Err(UsdError::TooLarge { bytes: text.len() });
+    }
+    let body = text.trim_start_matches('\u{feff}');
+    if !body.starts_with("#usda ") {
+        return Err(UsdError::NotUsd);
+    }
+    let mut parser = Parser { lexer: Lexer::new(body), token: Token::End, line: 1, layer: empty(), frames: vec![Frame::Prim(Layer::ROOT)] };
+    parser.advance()?;
+    if parser.token == Token::Mark(b'(') {
+        let metadata = parser.metadata()?;
+        parser.tell_of_arcs("the layer", &metadata);
+        parser.layer.prims[0].metadata = metadata;
+    }
+    while parser.statement()? {}
+    Ok(parser.layer)
+}
+
+fn empty<'a>() -> Layer<'a> {
+    Layer {
+        prims: vec![empty_prim()],
+        attributes: Vec::new(),
+        prim_places: HashMap::new(),
+        attribute_places: HashMap::new(),
+        notes: Vec::new(),
+        more_notes: 0,
+    }
+}
+
+fn empty_prim<'a>() -> Prim<'a> {
+    Prim {
+        name: Cow::Borrowed(""),
+        type_name: "",
+        parent: Layer::ROOT,
+        children: Vec::new(),
+        attributes: Vec::new(),
+        metadata: Vec::new(),
+        is_defined: true,
+    }
+}
+
+/// What an open brace belongs to.
+enum Frame<'a> {
+    Prim(PrimId),
+    VariantSet(PrimId, Option<Cow<'a, str>>),
+    Variant(PrimId),
+}
+
+struct Parser<'a> {
+    lexer: Lexer<'a>,
+    token: Token<'a>,
+    /// Line of the token.
+    line: usize,
+    layer: Layer<'a>,
+    frames: Vec<Frame<'a>>,
+}
+
+const OPERATIONS: [&str; 5] = ["prepend", "append", "add", "delete", "reorder"];
+/// Metadata that bring in what another prim or file says.
+const ARCS: [&str; 6] = ["references", "payload", "inherits", "specializes", "subLayers", "clips"];
+
+impl<'a> Parser<'a> {
+    /// Takes the token and reads the next one.
+    fn advance(&mut self) -> Result<Token<'a>, UsdError> {
+        let next = self.lexer.next()?;
+        self.line = self.lexer.line;
+        Ok(std::mem::replace(&mut self.token, next))
+    }
+
+    fn expected<T>(&self, what: &str) -> Result<T, UsdError> {
+        Err(UsdError::Syntax { line: self.line, message: format!("expected {what}, found {}", self.token.shown()) })
+    }
+
+    fn too_much<T>(&self, what: String) -> Result<T, UsdError> {
+        Err(UsdError::TooMuch { line: self.line, what })
+    }
+
+    fn mark(&mut self, mark: u8) -> Result<(), UsdError> {
+        if self.token != Token::Mark(mark) {
+            return self.expected(&format!("`{}`", char::from(mark)));
+        }
+        self.advance().map(|_| ())
+    }
+
+    fn take_mark(&mut self, mark: u8) -> Result<bool, UsdError> {
+        let is_there = self.token == Token::Mark(mark);
+        if is_there {
+            self.advance()?;
+        }
+        Ok(is_there)
+    }
+
+    fn word(&mut self, what: &str) -> Result<&'a str, UsdError> {
+        match self.token {
+            Token::Word(word) => self.advance().map(|_| word),
+            _ => self.expected(what),
+        }
+    }
+
+    fn text(&mut self, what: &str) -> Result<Cow<'a, str>, UsdError> {
+        match self.token.clone() {
+            Token::Text(text) => self.advance().map(|_| text),
+            _ => self.expected(what),
+        }
+    }
+
+    fn push(&mut self, frame: Frame<'a>) -> Result<(), UsdError> {
+        if self.frames.len() > MAX_DEPTH {
+            return self.too_much(format!("{MAX_DEPTH} prims inside each other"));
+        }
+        self.frames.push(frame);
+        Ok(())
+    }
+
+    /// Reads one statement; false at the end of the text.
+    fn statement(&mut self) -> Result<bool, UsdError> {
+        let (prim, is_weak, selected) = match self.frames.last() {
+            Some(Frame::Prim(prim)) => (*prim, self.is_in_variant(), None),
+            Some(Frame::Variant(prim)) => (*prim, true, None),
+            Some(Frame::VariantSet(prim, selected)) => (*prim, true, Some(selected.clone())),
+            None => return Ok(false),
+        };
+        match (&self.token, selected) {
+            (Token::End, _) if self.frames.len() == 1 => return Ok(false),
+            (Token::Mark(b'}'), _) if self.frames.len() > 1 => {
+                self.advance()?;
+                self.frames.pop();
+            }
+            (Token::Text(_), Some(selected)) => {
+                let name = self.text("the name of a variant")?;
+                if self.token == Token::Mark(b'(') {
+                    self.metadata()?;
+                }
+                if selected.as_ref() == Some(&name) {
+                    self.mark(b'{')?;
+                    self.push(Frame::Variant(prim))?;
+                } else {
+                    self.skip_block(b'{', b'}')?;
+                }
+            }
+            (_, Some(_)) => return self.expected("the name of a variant, or `}`"),
+            (Token::Word(word @ ("def" | "over" | "class")), None) => {
+                let word = *word;
+                self.prim(prim, word)?;
+            }
+            (Token::Word("variantSet"), None) => {
+                self.advance()?;
+                let name = self.text("the name of a set of variants")?;
+                self.mark(b'=')?;
+                self.mark(b'{')?;
+                let selection = entry(&self.layer.prim(prim).metadata, "variants").and_then(Value::entries);
+                let selected = selection.and_then(|entries| entry(entries, &name)).and_then(|value| value.texts().first()).cloned();
+                if selected.is_none() {
+                    let path = self.layer.path(prim);
+                    self.layer.note(format!("line {}: <{path}>: no variant of `{name}` is selected; none is read", self.line));
+                }
+                self.push(Frame::VariantSet(prim, selected))?;
+            }
+            (Token::Word(_), None) => self.property(prim, is_weak)?,
+            _ if self.frames.len() == 1 => return self.expected("`def`, `over` or `class`"),
+            _ => return self.expected("a prim, a property, or `}`"),
+        }
+        Ok(true)
+    }
+
+    fn is_in_variant(&self) -> bool {
+        self.frames.iter().any(|frame| matches!(frame, Frame::Variant(_)))
+    }
+
+    fn prim(&mut self, parent: PrimId, specifier: &str) -> Result<(), UsdError> {
+        self.advance()?;
+        let type_name = if let Token::Word(_) = self.token { self.word("a type")? } else { "" };
+        let line = self.line;
+        let name = self.text("the name of a prim in quotes")?;
+        let metadata = if self.token == Token::Mark(b'(') { self.metadata()? } else { Vec::new() };
+        self.mark(b'{')?;
+        let id = match self.layer.child(parent, &name) {
+            Some(id) => id,
+            None => self.add_prim(parent, name.clone())?,
+        };
+        if !metadata.is_empty() {
+            self.tell_of_arcs(&format!("line {line}: <{}>", self.layer.path(id)), &metadata);
+        }
+        let is_active = entry(&metadata, "active").and_then(Value::number) != Some(0.0);
+        let prim = &mut self.layer.prims[id as usize];
+        if prim.type_name.is_empty() {
+            prim.type_name = type_name;
+        }
+        prim.is_defined |= specifier == "def";
+        prim.is_defined &= is_active;
+        prim.metadata.extend(metadata);
+        self.push(Frame::Prim(id))
+    }
+
+    fn add_prim(&mut self, parent: PrimId, name: Cow<'a, str>) -> Result<PrimId, UsdError> {
+        if self.layer.prims.len() > MAX_PRIMS {
+            return self.too_much(format!("{MAX_PRIMS} prims"));
+        }
+        let id = self.layer.prims.len() as PrimId;
+        self.layer.prims.push(Prim { name: name.clone(), parent, is_defined: false, ..empty_prim() });
+        self.layer.prims[parent as usize].children.push(id);
+        self.layer.prim_places.insert((parent, name), id);
+        Ok(id)
+    }
+
+    fn tell_of_arcs(&mut self, place: &str, metadata: &Entries<'a>) {
+        for (key, value) in metadata.iter().filter(|(key, _)| ARCS.contains(&key.as_ref())) {
+            if !matches!(value, Value::None) {
+                let named = value.text().map(|text| format!(" `{text}`")).unwrap_or_default();
+                self.layer.note(format!("{place}: {key}{named}: not followed; export the scene flattened to have all of it"));
+            }
+        }
+    }
+
+    fn property(&mut self, prim: PrimId, is_weak: bool) -> Result<(), UsdError> {
+        let line = self.line;
+        let mut word = self.word("a property")?;
+        let mut is_deleted = false;
+        while matches!(word, "custom" | "uniform" | "varying" | "config") || OPERATIONS.contains(&word) {
+            is_deleted |= matches!(word, "delete" | "reorder");
+            let next = self.word("a type")?;
+            // `reorder nameChildren = […]` has no type.
+            if word == "reorder" && self.token == Token::Mark(b'=') {
+                self.advance()?;
+                return self.value(0).map(|_| ());
+            }
+            word = next;
+        }
+        // `relocates = {…}` of older files.
+        if self.take_mark(b'=')? {
+            return self.value(0).map(|_| ());
+        }
+        if self.take_mark(b'[')? {
+            self.mark(b']')?;
+        }
+        let name = self.word("the name of a property")?;
+        let suffix = if self.take_mark(b'.')? { self.word("`connect` or `timeSamples`")? } else { "" };
+        let (mut value, mut targets) = (None, Vec::new());
+        if self.take_mark(b'=')? {
+            match suffix {
+                "connect" => targets = self.targets()?,
+                "timeSamples" => value = self.samples()?,
+                "spline" => self.skip_block(b'{', b'}')?,
+                _ if word == "rel" => targets = self.targets()?,
+                _ => value = Some(self.value(0)?),
+            }
+        }
+        let metadata = if self.token == Token::Mark(b'(') { self.metadata()? } else { Vec::new() };
+        if value.as_ref().is_some_and(|value| !value.is_finite()) {
+            let path = self.layer.path(prim);
+            self.layer.note(format!("line {line}: <{path}.{name}>: expected finite numbers, found others; not read"));
+            value = None;
+        }
+        if is_deleted {
+            return Ok(());
+        }
+        let new = Attribute { name, type_name: word, value, targets, metadata, line, is_weak };
+        self.add_attribute(prim, new);
+        Ok(())
+    }
+
+    /// Puts together what several statements say about one property. What the prim itself says counts more than a variant's word.
+    fn add_attribute(&mut self, prim: PrimId, new: Attribute<'a>) {
+        let Some(place) = self.layer.attribute_places.get(&(prim, new.name)) else {
+            let place = self.layer.attributes.len() as u32;
+            self.layer.attribute_places.insert((prim, new.name), place);
+            self.layer.prims[prim as usize].attributes.push(place);
+            return self.layer.attributes.push(new);
+        };
+        let old = &mut self.layer.attributes[*place as usize];
+        let wins = old.is_weak || !new.is_weak;
+        if new.value.is_some() && (wins || old.value.is_none()) {
+            (old.value, old.type_name) = (new.value, new.type_name);
+        }
+        if !new.targets.is_empty() && (wins || old.targets.is_empty()) {
+            old.targets = new.targets;
+        }
+        old.metadata.extend(new.metadata);
+        old.is_weak &= new.is_weak;
+    }
+
+    fn targets(&mut self) -> Result<Vec<&'a str>, UsdError> {
+        let mut targets = Vec::new();
+        if self.token == Token::Word("None") {
+            self.advance()?;
+            return Ok(targets);
+        }
+        let is_list = self.take_mark(b'[')?;
+        loop {
+            match self.token {
+                Token::Path(path) => {
+                    self.advance()?;
+                    targets.push(path);
+                }
+                Token::Mark(b']') if is_list => break,
+                _ => return self.expected("a path `<…>`"),
+            }
+            if !is_list {
+                return Ok(targets);
+            }
+            self.take_mark(b',')?;
+        }
+        self.mark(b']')?;
+        Ok(targets)
+    }
+
+    /// The first sample of a value that changes over time.
+    fn samples(&mut self) -> Result<Option<Value<'a>>, UsdError> {
+        let mut first = None;
+        self.mark(b'{')?;
+        while self.token != Token::Mark(b'}') {
+            let Token::Number(_) = self.token else { return self.expected("a time, or `}`") };
+            self.advance()?;
+            self.mark(b':')?;
+            let value = self.value(0)?;
+            first = first.or_else(|| (value != Value::None).then_some(value));
+            self.take_mark(b',')?;
+        }
+        self.mark(b'}')?;
+        Ok(first)
+    }
+
+    /// What stands between round brackets behind a layer, prim or property.
+    fn metadata(&mut self) -> Result<Entries<'a>, UsdError> {
+        self.mark(b'(')?;
+        let mut entries = Entries::new();
+        loop {
+            match self.token {
+                Token::Mark(b')') => break,
+                Token::Text(_) => {
+                    self.advance()?;
+                    continue;
+                }
+                Token::Word(_) => {}
+                _ => return self.expected("metadata, or `)`"),
+            }
+            let line = self.line;
+            let (mut key, mut is_deleted) = (self.word("metadata")?, false);
+            if OPERATIONS.contains(&key) && matches!(self.token, Token::Word(_)) {
+                is_deleted = matches!(key, "delete" | "reorder");
+                key = self.word("metadata")?;
+            }
+            self.mark(b'=')?;
+            let value = self.value(0)?;
+            self.skip_time_offset()?;
+            if !value.is_finite() {
+                self.layer.note(format!("line {line}: {key}: expected finite numbers, found others; not read"));
+            } else if !is_deleted {
+                entries.push((Cow::Borrowed(key), value));
+            }
+        }
+        self.advance()?;
+        Ok(entries)
+    }
+
+    fn value(&mut self, depth: usize) -> Result<Value<'a>, UsdError> {
+        match self.token {
+            Token::Mark(b'[') => self.list(),
+            Token::Mark(b'{') => self.dictionary(depth).map(Value::Dictionary),
+            Token::Word("None" | "AnimationBlock") => self.advance().map(|_| Value::None),
+            Token::Mark(b'(') | Token::Number(_) | Token::Word("true" | "false" | "inf" | "nan") => {
+                let mut data = Vec::new();
+                let width = self.numbers(&mut data, 0)?;
+                Ok(Value::Numbers { width, is_list: false, data })
+            }
+            _ => Ok(Value::Texts { is_list: false, items: vec![self.one_text()?] }),
+        }
+    }
+
+    fn list(&mut self) -> Result<Value<'a>, UsdError> {
+        self.mark(b'[')?;
+        let (mut data, mut width, mut items) = (Vec::new(), 0, Vec::new());
+        while self.token != Token::Mark(b']') {
+            match self.token {
+                Token::Mark(b'(') | Token::Number(_) | Token::Word("true" | "false" | "inf" | "nan") if items.is_empty() => {
+                    let count = self.numbers(&mut data, 0)?;
+                    if width != 0 && width != count {
+                        let message = format!("expected items of {width} numbers in a list, found one of {count}");
+                        return Err(UsdError::Syntax { line: self.line, message });
+                    }
+                    width = count;
+                }
+                _ if width == 0 => {
+                    items.push(self.one_text()?);
+                    self.skip_time_offset()?;
+                }
+                _ => return self.expected("a number, or `]`"),
+            }
+            if !self.take_mark(b',')? && self.token != Token::Mark(b']') {
+                return self.expected("`,` or `]`");
+            }
+        }
+        self.advance()?;
+        Ok(match items.is_empty() {
+            true => Value::Numbers { width: width.max(1), is_list: true, data },
+            false => Value::Texts { is_list: true, items },
+        })
+    }
+
+    /// A number, or a tuple of numbers and tuples; how many numbers it has.
+    fn numbers(&mut self, data: &mut Vec<f64>, depth: usize) -> Result<usize, UsdError> {
+        let number = match self.token {
+            Token::Number(number) => number,
+            Token::Word("true") => 1.0,
+            Token::Word("false") => 0.0,
+            Token::Word("inf" | "nan") => f64::NAN,
+            Token::Mark(b'(') if depth < 2 => {
+                self.advance()?;
+                let mut count = 0;
+                while self.token != Token::Mark(b')') {
+                    count += self.numbers(data, depth + 1)?;
+                    if !self.take_mark(b',')? && self.token != Token::Mark(b')') {
+                        return self.expected("`,` or `)`");
+                    }
+                }
+                if count == 0 {
+                    return self.expected("a number");
+                }
+                return self.advance().map(|_| count);
+            }
+            _ => return self.expected("a number"),
+        };
+        self.advance()?;
+        data.push(number);
+        Ok(1)
+    }
+
+    /// A text, file or path. The path behind the file of a reference is not kept.
+    fn one_text(&mut self) -> Result<Cow<'a, str>, UsdError> {
+        let text = match self.token.clone() {
+            Token::Text(text) => text,
+            Token::Word(text) | Token::Asset(text) | Token::Path(text) => Cow::Borrowed(text),
+            _ => return self.expected("a value"),
+        };
+        let is_file = matches!(self.advance()?, Token::Asset(_));
+        if is_file && matches!(self.token, Token::Path(_)) {
+            self.advance()?;
+        }
+        Ok(text)
+    }
+
+    /// Skips how the times of a reference are shifted: `(offset = 1; scale = 2)`.
+    fn skip_time_offset(&mut self) -> Result<(), UsdError> {
+        if self.token == Token::Mark(b'(') { self.skip_block(b'(', b')') } else { Ok(()) }
+    }
+
+    fn dictionary(&mut self, depth: usize) -> Result<Entries<'a>, UsdError> {
+        if depth >= MAX_DEPTH {
+            return self.too_much(format!("{MAX_DEPTH} dictionaries inside each other"));
+        }
+        self.mark(b'{')?;
+        let mut entries = Entries::new();
+        while self.token != Token::Mark(b'}') {
+            // Other maps have no types: `<path>: <path>` and `time: value`.
+            if let Token::Path(_) | Token::Number(_) = self.token {
+                self.advance()?;
+                self.mark(b':')?;
+                self.value(depth + 1)?;
+            } else {
+                self.word("the type of an entry, or `}`")?;
+                if self.take_mark(b'[')? {
+                    self.mark(b']')?;
+                }
+                let key = match self.advance()? {
+                    Token::Word(word) => Cow::Borrowed(word),
+                    Token::Text(text) => text,
+                    _ => return self.expected("`=` behind the name of an entry"),
+                };
+                self.mark(b'=')?;
+                let value = self.value(depth + 1)?;
+                entries.push((key, value));
+            }
+            self.take_mark(b',')?;
+        }
+        self.advance()?;
+        Ok(entries)
+    }
+
+    /// Skips a block with all blocks in it.
+    fn skip_block(&mut self, open: u8, close: u8) -> Result<(), UsdError> {
+        let line = self.line;
+        self.mark(open)?;
+        let mut level = 1_usize;
+        while level > 0 {
+            match self.advance()? {
+                Token::Mark(mark) if mark == open => level += 1,
+                Token::Mark(mark) if mark == close => level -= 1,
+                Token::End => {
+                    let message = format!("expected the end of a block, `{}`, found none in the file", char::from(close));
+                    return Err(UsdError::Syntax { line, message });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
