@@ -29,8 +29,8 @@ crate::shading_fields! {
         opacity_threshold: Float(0.0), "opacityThreshold", from [], to [opacity], uniform;
         ior: Float(1.5), "ior", from [specular_ior, specular_level], to [specular_ior, specular_level], uniform;
         normal: Normal([0.0, 0.0, 1.0]), "normal", from [normal], to [normal], image;
-        /// Stands in the scale and bias of the normal map.
-        normal_scale: Float(1.0), "normal.scale", from [normal_scale], to [normal_scale], uniform;
+        /// Some writers put it into the scale and bias of the normal map. Checkers of USD accept no other than 2 and -1, so it is only read.
+        normal_scale: Float(1.0), "normal.scale", from [], to [normal_scale], uniform;
         displacement: Float(0.0), "displacement", from [height, height_level, height_scale], to [height, height_level, height_scale], image;
         occlusion: Float(1.0), "occlusion", from [ambient_occlusion], to [ambient_occlusion], image;
     }
@@ -61,7 +61,7 @@ pub fn translate(i: &Inputs<f64>, _: &Context) -> UsdPreview {
         opacity_threshold: 0.0,
         ior: f::fold_level(i.specular_ior, i.specular_level),
         normal: i.normal,
-        normal_scale: i.normal_scale,
+        normal_scale: 1.0,
         displacement: (i.height - i.height_level) * i.height_scale,
         occlusion: i.ambient_occlusion,
     }
@@ -123,14 +123,7 @@ const CELLS: &[Cell] = &[
     Cell { property: Property::specular_level, target: "ior", fate: level },
     Cell::dropped(Property::specular_edge_color),
     Cell::exact(Property::normal, "normal"),
-    Cell {
-        property: Property::normal_scale,
-        target: "normal",
-        fate: |i| match i.normal_scale {
-            s if s >= 1.0 => (Fate::Remapped, "in the scale and bias of the image"),
-            _ => (Fate::Approximated, "below 1 ASM scales the angle, the image the slope"),
-        },
-    },
+    Cell::dropped(Property::normal_scale),
     Cell::dropped(Property::combine_normal_and_height),
     Cell { property: Property::height, target: "displacement", fate: height },
     Cell { property: Property::height_scale, target: "displacement", fate: height },

@@ -1,9 +1,10 @@
 //! Where the value of a shader's input comes from: through inputs of materials and outputs of node graphs.
 
+use super::error::{MAX_NAME_BYTES, short};
 use super::layer::{Attribute, Layer, PrimId};
 
 /// More steps than a network has.
-const MAX_STEPS: usize = 64;
+const MAX_STEPS: usize = 16;
 
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +24,7 @@ pub(super) fn follow<'t, 'a>(layer: &'t Layer<'a>, prim: PrimId, name: &str) -> 
             return Err("expected a connection that ends, found one that leads in a circle".to_owned());
         }
         seen.push((prim, attribute.name));
-        let nowhere = || format!("expected a connection to an output, found <{target}>, which is not there");
+        let nowhere = || format!("expected a connection to an output, found <{}>, which is not there", short(target));
         let (next, property) = layer.find(prim, target).ok_or_else(nowhere)?;
         match property.strip_prefix("outputs:") {
             Some(output) if layer.prim(next).type_name == "Shader" => return Ok(Some(Source::Output(next, output))),
@@ -32,7 +33,11 @@ pub(super) fn follow<'t, 'a>(layer: &'t Layer<'a>, prim: PrimId, name: &str) -> 
         prim = next;
     }
     if attribute.value.is_none() && !seen.is_empty() {
-        return Err(format!("expected a connection to a value, found `{}` of <{}>, which has none", attribute.name, layer.path(prim)));
+        return Err(format!(
+            "expected a connection to a value, found `{}` of <{}>, which has none",
+            short(attribute.name),
+            short(&layer.path(prim))
+        ));
     }
     Ok(attribute.value.is_some().then_some(Source::Value(attribute)))
 }
@@ -55,7 +60,8 @@ pub(super) fn text<'t>(layer: &'t Layer, prim: PrimId, input: &str) -> Option<&'
     constant(layer, prim, input)?.value.as_ref()?.text()
 }
 
-/// What a shader is: its `info:id`.
+/// What a shader is: its `info:id`. Empty where that is longer than any name.
 pub(super) fn shader_id<'t>(layer: &'t Layer, shader: PrimId) -> &'t str {
-    layer.value(shader, "info:id").and_then(|value| value.text()).unwrap_or_default()
+    let id = layer.value(shader, "info:id").and_then(|value| value.text()).unwrap_or_default();
+    if id.len() <= MAX_NAME_BYTES { id } else { "" }
 }

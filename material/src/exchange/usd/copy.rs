@@ -3,6 +3,7 @@
 //! The shader has all 40 inputs. The dictionary says which of them were authored, which numbers are wider than single precision, which
 //! image bindings USD cannot say, and everything that a material holds beside its properties.
 
+use super::error::short;
 use super::images::as_written;
 use super::layer::{Entries, entry};
 use super::numbers::{double, quoted, quoted_list, single};
@@ -20,6 +21,8 @@ use crate::value::{Kind, Value};
 pub(super) struct Copy {
     /// The material without its values.
     pub material: Material,
+    /// Whether it holds the texts of the material.
+    pub has_document: bool,
     authored: Vec<Property>,
     wide: Vec<(Property, Value)>,
     /// Paths of images as the file has them, where they are others than the material's.
@@ -46,7 +49,8 @@ pub(super) fn lines(material: &Material, path_of: &dyn Fn(&TextureRef) -> String
             }
         }
     }
-    let mut lines = vec![format!("string version = {}", quoted(ASM_VERSION)), format!("string[] authored = {}", quoted_list(authored))];
+    let mut lines =
+        vec![format!("string version = {}", quoted(ASM_VERSION)), format!("string[] authored = {}", quoted_list(authored))];
     for (name, list) in [("wide", wide), ("files", files)] {
         if !list.is_empty() {
             lines.push(format!("string[] {name} = {}", quoted_list(list)));
@@ -61,13 +65,16 @@ pub(super) fn read(entries: &Entries, notes: &mut Notes) -> Option<Copy> {
     let text = |name: &str| entry(entries, name).and_then(|value| value.text());
     let version = text("version").unwrap_or_default();
     if version.split('.').next() != ASM_VERSION.split('.').next() {
-        notes.push(format!("customData.asm: expected version {ASM_VERSION}, found `{version}`; the shader alone is read"));
+        notes.push(format!(
+            "customData.asm: expected version {ASM_VERSION}, found `{}`; the shader alone is read",
+            short(version)
+        ));
         return None;
     }
-    let mut material = Material::default();
+    let (mut material, mut has_document) = (Material::default(), false);
     if let Some(document) = text("document") {
         match serde_json::from_str(document) {
-            Ok(json) => material = native::read(&json, None, notes)?.material,
+            Ok(json) => (material, has_document) = (native::read(&json, None, notes)?.material, true),
             Err(_) => notes.push("customData.asm.document: expected JSON, found something else; not read".to_owned()),
         }
     }
@@ -76,6 +83,7 @@ pub(super) fn read(entries: &Entries, notes: &mut Notes) -> Option<Copy> {
     let named = |name: &str| Property::from_name(name);
     Some(Copy {
         material,
+        has_document,
         authored: list("authored").iter().filter_map(|name| named(name)).collect(),
         wide: pairs("wide").filter_map(|(name, numbers)| Some((named(name)?, wide_value(named(name)?, numbers)?))).collect(),
         files: pairs("files").filter_map(|(name, path)| Some((named(name)?, path.to_owned()))).collect(),
@@ -144,7 +152,8 @@ fn same_bits(a: Value, b: Value) -> bool {
 }
 
 fn wide_value(property: Property, text: &str) -> Option<Value> {
-    let numbers: Vec<f64> = text.split(',').map(|x| x.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect::<Option<_>>()?;
+    let numbers: Vec<f64> =
+        text.split(',').map(|x| x.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect::<Option<_>>()?;
     match (property.def().default.kind(), numbers.as_slice()) {
         (Kind::Float, [x]) => Some(Value::Float(*x)),
         (Kind::Color, [x, y, z]) => Some(Value::Color([*x, *y, *z])),

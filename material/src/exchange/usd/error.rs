@@ -3,9 +3,17 @@
 use std::fmt;
 
 /// Largest text that is read, bytes.
-pub const MAX_USDA_BYTES: usize = 128 << 20;
+pub const MAX_USDA_BYTES: usize = 64 << 20;
 /// Most prims of a layer.
 pub const MAX_PRIMS: usize = 500_000;
+/// Most attributes and relationships of a layer.
+pub const MAX_ATTRIBUTES: usize = 2_000_000;
+/// Most sets of variants of a layer.
+pub const MAX_VARIANT_SETS: usize = 10_000;
+/// Most entries of one dictionary, and of the metadata of one prim or attribute.
+pub const MAX_ENTRIES: usize = 10_000;
+/// Longest name of a prim, an attribute or anything else, bytes.
+pub const MAX_NAME_BYTES: usize = 1_000;
 /// Deepest nesting of prims, dictionaries and variants.
 pub const MAX_DEPTH: usize = 100;
 
@@ -44,6 +52,16 @@ pub enum UsdError {
         /// What was expected and found.
         message: String,
     },
+}
+
+/// A text of the file on one line and shortened, for messages.
+pub(super) fn short(text: &str) -> String {
+    const LENGTH: usize = 100;
+    let mut line: String = text.chars().take(LENGTH).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(LENGTH).is_some() {
+        line.push('…');
+    }
+    line
 }
 
 impl fmt::Display for UsdError {

@@ -3,13 +3,18 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use super::error::short;
 use super::layer::{Attribute, Layer, PrimId, Value, entry};
 use super::materials::{FoundMaterial, meters_per_unit};
 use super::transform::{self, Matrix};
 use crate::exchange::model::Notes;
 
 /// Most triangles of all meshes of a layer.
-pub const MAX_TRIANGLES: usize = 5_000_000;
+pub const MAX_TRIANGLES: usize = 2_000_000;
+/// Most meshes that are read from a layer.
+pub const MAX_MESHES: usize = 20_000;
+/// Most notes about meshes.
+const MAX_NOTES: usize = 200;
 
 /// A mesh of a layer.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,21 +42,24 @@ pub struct Part {
     pub triangles: Range<usize>,
 }
 
-/// All meshes of a layer. One that cannot be read costs a note.
+/// The meshes of a layer; of very many the first ones. One that cannot be read costs a note.
 pub fn meshes(layer: &Layer, materials: &[FoundMaterial], notes: &mut Notes) -> Vec<FoundMesh> {
+    let notes_before = notes.len();
     let places: HashMap<&str, usize> = materials.iter().enumerate().map(|(place, found)| (found.path.as_str(), place)).collect();
     let (mut found, mut left) = (Vec::new(), MAX_TRIANGLES);
-    for (id, prim) in layer.prims() {
-        if prim.type_name != "Mesh" || !layer.is_in_scene(id) {
-            continue;
-        }
-        match mesh(layer, id, &places, left, notes) {
+    let to_metres = to_metres(layer);
+    let all = layer.prims().filter(|(id, prim)| prim.type_name == "Mesh" && layer.is_in_scene(*id));
+    for (id, _) in all.take(MAX_MESHES) {
+        let mut faults = Notes::new();
+        match mesh(layer, id, &places, left, &to_metres, &mut faults) {
             Ok(mesh) => {
                 left -= mesh.triangles.len();
                 found.push(mesh);
             }
-            Err(fault) => notes.push(format!("<{}>: {fault}; the mesh is not read", layer.path(id))),
+            Err(fault) => faults.push(format!("<{}>: {fault}; the mesh is not read", short(&layer.path(id)))),
         }
+        faults.truncate(MAX_NOTES.saturating_sub(notes.len().saturating_sub(notes_before)));
+        notes.append(&mut faults);
     }
     found
 }
@@ -106,7 +114,14 @@ fn whole(x: f64) -> Option<usize> {
     (x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0).then_some(x as usize)
 }
 
-fn mesh(layer: &Layer, prim: PrimId, places: &HashMap<&str, usize>, most: usize, notes: &mut Notes) -> Result<FoundMesh, String> {
+fn mesh(
+    layer: &Layer,
+    prim: PrimId,
+    places: &HashMap<&str, usize>,
+    most: usize,
+    to_metres: &Matrix,
+    notes: &mut Notes,
+) -> Result<FoundMesh, String> {
     let list = |name: &str, width| layer.value(prim, name).and_then(|value| value.list(width)).unwrap_or_default();
     let (points, counts, indices) = (list("points", 3), list("faceVertexCounts", 1), list("faceVertexIndices", 1));
     let vertex_count = points.len() / 3;
@@ -119,7 +134,7 @@ fn mesh(layer: &Layer, prim: PrimId, places: &HashMap<&str, usize>, most: usize,
     if corners != Some(indices.len()) || indices.is_empty() {
         return Err(format!("expected as many corners as its faces have together, found {}", indices.len()));
     }
-    if indices.len() > most.saturating_add(2 * counts.len()) {
+    if counts.iter().map(|count| count.saturating_sub(2)).sum::<usize>() > most {
         return Err(format!("expected at most {MAX_TRIANGLES} triangles in all meshes, found more"));
     }
 
@@ -128,7 +143,8 @@ fn mesh(layer: &Layer, prim: PrimId, places: &HashMap<&str, usize>, most: usize,
     let normals = attribute("primvars:normals").or_else(|| attribute("normals"));
     let normals = normals.and_then(|attribute| Primvar::of(layer, prim, attribute, 3, "vertex"));
     let is_uv = |attribute: &&Attribute| {
-        attribute.name.starts_with("primvars:") && matches!(attribute.type_name, "texCoord2f" | "texCoord2h" | "texCoord2d" | "float2")
+        attribute.name.starts_with("primvars:")
+            && matches!(attribute.type_name, "texCoord2f" | "texCoord2h" | "texCoord2d" | "float2")
     };
     let uvs = attribute("primvars:st").or_else(|| layer.attributes(prim).find(is_uv));
     let uvs = uvs.and_then(|attribute| Primvar::of(layer, prim, attribute, 2, "constant"));
@@ -139,8 +155,8 @@ fn mesh(layer: &Layer, prim: PrimId, places: &HashMap<&str, usize>, most: usize,
     let mut first = 0;
     for (face, count) in counts.iter().enumerate() {
         let mut fan = Vec::with_capacity(*count);
-        for corner in first..first + count {
-            fan.push(shape.vertex(Corner { face, corner, vertex: indices[corner] }));
+        for (corner, vertex) in indices.iter().enumerate().skip(first).take(*count) {
+            fan.push(shape.vertex(Corner { face, corner, vertex: *vertex }));
         }
         first += count;
         if let Some(triangles) = by_part.get_mut(part_of_face[face]) {
@@ -148,12 +164,10 @@ fn mesh(layer: &Layer, prim: PrimId, places: &HashMap<&str, usize>, most: usize,
         }
     }
     if shape.lacks_normals || shape.lacks_uvs {
-        notes.push(format!("<{path}>: expected a normal and a uv at each corner, found fewer; not read"));
+        notes.push(format!("<{}>: expected a normal and a uv at each corner, found fewer; not read", short(&path)));
     }
 
-    let mut faults = Vec::new();
-    let matrix = to_metres(layer, transform::to_layer(layer, prim, &mut faults));
-    notes.append(&mut faults);
+    let matrix = transform::product(&transform::to_layer(layer, prim, notes), to_metres);
     let is_left_handed = layer.value(prim, "orientation").and_then(Value::text) == Some("leftHanded");
     let mut mesh = shape.moved(path, points, &matrix)?;
     for (material, mut triangles) in parts.into_iter().zip(by_part) {
@@ -177,7 +191,8 @@ struct Shape<'t> {
     lacks_uvs: bool,
     /// Places of position, normal and uv.
     vertices: Vec<[usize; 3]>,
-    places: HashMap<[usize; 3], u32>,
+    /// Vertices by their position's place and the bits of normal and uv: corners that look the same are one.
+    places: HashMap<[u32; 6], u32>,
 }
 
 impl<'t> Shape<'t> {
@@ -186,16 +201,11 @@ impl<'t> Shape<'t> {
     }
 
     fn vertex(&mut self, at: Corner) -> u32 {
-        let place = |primvar: &Option<Primvar>, lacks: &mut bool| match primvar {
-            Some(primvar) => primvar.place(at).unwrap_or_else(|| {
-                *lacks = true;
-                0
-            }),
-            None => 0,
-        };
-        let key = [at.vertex, place(&self.normals, &mut self.lacks_normals), place(&self.uvs, &mut self.lacks_uvs)];
-        *self.places.entry(key).or_insert_with(|| {
-            self.vertices.push(key);
+        let (normal, direction) = corner_item::<3>(&self.normals, at, &mut self.lacks_normals);
+        let (uv, coordinates) = corner_item::<2>(&self.uvs, at, &mut self.lacks_uvs);
+        let ([x, y, z], [u, v]) = (direction, coordinates);
+        *self.places.entry([at.vertex as u32, x, y, z, u, v]).or_insert_with(|| {
+            self.vertices.push([at.vertex, normal, uv]);
             (self.vertices.len() - 1) as u32
         })
     }
@@ -212,7 +222,8 @@ impl<'t> Shape<'t> {
             }
             positions.push(position);
         }
-        let inverse = transform::inverse(matrix).ok_or("expected a transform that keeps its three dimensions, found a flat one")?;
+        let inverse =
+            transform::inverse(matrix).ok_or("expected a transform that keeps its three dimensions, found a flat one")?;
         let normals = self.normals.as_ref().filter(|_| !self.lacks_normals);
         let normals = normals.map(|normals| {
             self.vertices.iter().map(|[_, place, _]| float(transform::normal(&inverse, normals.item(*place)))).collect()
@@ -223,8 +234,21 @@ impl<'t> Shape<'t> {
     }
 }
 
-/// A matrix into the layer's space, then into metres with +Y up.
-fn to_metres(layer: &Layer, matrix: Matrix) -> Matrix {
+/// Place and bits of what belongs to a corner; sets `lacks` where nothing finite does.
+fn corner_item<const N: usize>(primvar: &Option<Primvar>, at: Corner, lacks: &mut bool) -> (usize, [u32; N]) {
+    let Some(primvar) = primvar else { return (0, [0; N]) };
+    let found = primvar.place(at).map(|place| (place, primvar.item::<N>(place).map(|x| x as f32)));
+    match found.filter(|(_, item)| item.iter().all(|x| x.is_finite())) {
+        Some((place, item)) => (place, item.map(f32::to_bits)),
+        None => {
+            *lacks = true;
+            (0, [0; N])
+        }
+    }
+}
+
+/// From the layer's space into metres with +Y up.
+fn to_metres(layer: &Layer) -> Matrix {
     let metres = meters_per_unit(layer);
     let is_z_up = layer.metadata("upAxis").and_then(Value::text) == Some("Z");
     let mut turn = transform::IDENTITY;
@@ -234,7 +258,7 @@ fn to_metres(layer: &Layer, matrix: Matrix) -> Matrix {
     for row in &mut turn[..3] {
         *row = row.map(|x| x * metres);
     }
-    transform::product(&matrix, &turn)
+    turn
 }
 
 /// Materials of a mesh, its own first, and for each face which of them it has.

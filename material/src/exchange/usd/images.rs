@@ -8,7 +8,9 @@ use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
 
 /// More nodes behind each other than are read.
-const MAX_NODES: usize = 16;
+const MAX_NODES: usize = 8;
+/// Longest path of a file, bytes.
+const MAX_FILE_PATH: usize = 2_000;
 
 /// An image that an input reads.
 #[derive(Clone, Debug)]
@@ -40,16 +42,17 @@ fn node(layer: &Layer, shader: PrimId, output: &str, kind: Kind, notes: &mut Not
     match operation {
         "image" | "tiledimage" => materialx_image(layer, shader, operation, notes),
         "normalmap" => {
-            let found = behind("in", Kind::Color)?;
+            let mut found = behind("in", Kind::Color)?;
+            found.texture.is_inverted = found.texture.scale[1] < 0.0;
+            (found.texture.scale, found.texture.bias) = ([1.0; 3], [0.0; 3]);
             let scale = numbers::<1>(layer, shader, "scale").map(|[s]| s);
             let scale = scale.or_else(|| numbers::<2>(layer, shader, "scale").map(|[s, _]| s)).unwrap_or(1.0);
             Ok(Found { normal_scale: scale, ..found })
         }
         "multiply" | "add" => {
-            let (image, other) = match behind("in1", kind) {
-                Ok(found) => (found, "in2"),
-                Err(_) => (behind("in2", kind)?, "in1"),
-            };
+            let is_first = matches!(follow(layer, shader, "inputs:in1"), Ok(Some(Source::Output(..))));
+            let (input, other) = if is_first { ("in1", "in2") } else { ("in2", "in1") };
+            let image = behind(input, kind)?;
             let by = numbers::<3>(layer, shader, other).or_else(|| numbers::<1>(layer, shader, other).map(|[x]| [x; 3]));
             let by = by.ok_or_else(|| format!("expected an image and a number at the node `{id}`, found other inputs"))?;
             let mut texture = image.texture;
@@ -142,7 +145,8 @@ fn uv_texture(layer: &Layer, shader: PrimId, output: &str, kind: Kind, notes: &m
 
 fn materialx_image(layer: &Layer, shader: PrimId, operation: &str, notes: &mut Notes) -> Result<Found, String> {
     let mut texture = TextureRef::new(file(layer, shader)?);
-    let space = constant(layer, shader, "file").and_then(|file| entry(&file.metadata, "colorSpace")).and_then(|space| space.text());
+    let space =
+        constant(layer, shader, "file").and_then(|file| entry(&file.metadata, "colorSpace")).and_then(|space| space.text());
     texture.color_space = if space == Some("srgb_texture") { ColorSpace::Srgb } else { ColorSpace::Linear };
     if shader_id(layer, shader).ends_with("_float") {
         texture.channel = Channel::R;
@@ -165,7 +169,11 @@ fn materialx_image(layer: &Layer, shader: PrimId, operation: &str, notes: &mut N
 fn file(layer: &Layer, shader: PrimId) -> Result<String, String> {
     let path = text(layer, shader, "file").unwrap_or_default();
     let path = path.strip_prefix("./").unwrap_or(path);
-    if path.is_empty() { Err("expected the file of an image, found none".to_owned()) } else { Ok(path.to_owned()) }
+    match path.len() {
+        0 => Err("expected the file of an image, found none".to_owned()),
+        1..=MAX_FILE_PATH => Ok(path.to_owned()),
+        _ => Err(format!("expected the path of a file of at most {MAX_FILE_PATH} bytes, found a longer one")),
+    }
 }
 
 fn wraps(texture: &mut TextureRef, [(u, u_ends), (v, v_ends)]: [(Wrap, bool); 2], notes: &mut Notes) {

@@ -8,6 +8,9 @@ use crate::exchange::model::Notes;
 /// Notes beyond this number are counted, not listed.
 const MAX_NOTES: usize = 200;
 
+/// Longest path that is followed, bytes.
+const MAX_PATH_BYTES: usize = 2_000;
+
 /// Place of a prim in its layer; 0 is the layer's root.
 pub type PrimId = u32;
 
@@ -211,6 +214,9 @@ impl<'a> Layer<'a> {
 
     /// The prim that a path means, seen from another prim, and the property behind its dot, which is empty without one.
     pub fn find<'p>(&self, from: PrimId, path: &'p str) -> Option<(PrimId, &'p str)> {
+        if path.len() > MAX_PATH_BYTES {
+            return None;
+        }
         let names_end = path.rfind('/').map_or(0, |slash| slash + 1);
         let (prims, property) = match path[names_end..].find('.') {
             _ if path.ends_with("..") => (path, ""),

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::error::UsdError;
+use super::error::{MAX_NAME_BYTES, UsdError, short};
 
 /// One word of the text.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,10 +26,7 @@ pub(super) enum Token<'a> {
 impl Token<'_> {
     /// The token for messages, shortened if it is long.
     pub fn shown(&self) -> String {
-        let quoted = |text: &str| {
-            let short: String = text.chars().take(40).map(|c| if c.is_control() { ' ' } else { c }).collect();
-            format!("`{short}{}`", if text.chars().nth(40).is_some() { "…" } else { "" })
-        };
+        let quoted = |text: &str| format!("`{}`", short(text));
         match self {
             Self::Word(word) => quoted(word),
             Self::Number(number) => quoted(&number.to_string()),
@@ -69,7 +66,10 @@ impl<'a> Lexer<'a> {
                 self.at += 1;
                 Ok(Token::Mark(first))
             }
-            _ if is_name_start(first) => Ok(Token::Word(self.take(is_name))),
+            _ if is_name_start(first) => match self.take(is_name) {
+                word if word.len() <= MAX_NAME_BYTES => Ok(Token::Word(word)),
+                word => Err(self.error(format!("expected a name of at most {MAX_NAME_BYTES} bytes, found `{}`", short(word)))),
+            },
             _ => {
                 let found = self.text[self.at..].chars().next().unwrap_or_default();
                 Err(self.error(format!("expected a name, a value or a bracket, found `{}`", found.escape_default())))
@@ -109,8 +109,9 @@ impl<'a> Lexer<'a> {
     /// What stands between the mark here, `before` bytes long, and `end` on the same line.
     fn enclosed(&mut self, before: usize, end: &str, what: &str) -> Result<&'a str, UsdError> {
         let rest = &self.text[self.at + before..];
-        let line = &rest[..rest.find('\n').unwrap_or(rest.len())];
-        match line.find(end) {
+        let bytes = rest.as_bytes();
+        let stop = (0..bytes.len()).find(|at| bytes[*at] == b'\n' || bytes[*at..].starts_with(end.as_bytes()));
+        match stop.filter(|at| bytes[*at] != b'\n') {
             Some(length) => {
                 self.at += before + length + end.len();
                 Ok(&rest[..length])
@@ -150,7 +151,8 @@ impl<'a> Lexer<'a> {
         let mut before = b' ';
         let start = self.at - sign.len();
         while let Some(b) = self.byte(0) {
-            let is_part = matches!(b, b'0'..=b'9' | b'.' | b'e' | b'E') || (matches!(b, b'+' | b'-') && matches!(before, b'e' | b'E'));
+            let is_part =
+                matches!(b, b'0'..=b'9' | b'.' | b'e' | b'E') || (matches!(b, b'+' | b'-') && matches!(before, b'e' | b'E'));
             if !is_part {
                 break;
             }
@@ -179,7 +181,7 @@ impl<'a> Lexer<'a> {
                 None => return Err(unclosed),
                 Some(b'\\') => (at, has_escapes) = (at + 2, true),
                 Some(b'\n') if !is_triple => return Err(unclosed),
-                Some(b) if *b == quote && bytes[at..].iter().take_while(|b| **b == quote).count() >= width => break,
+                Some(b) if *b == quote && bytes[at..].iter().take(width).filter(|b| **b == quote).count() == width => break,
                 Some(b'\n') => (at, self.line) = (at + 1, self.line + 1),
                 Some(_) => at += 1,
             }

@@ -4,6 +4,7 @@
 
 use super::connections::{Source, constant, follow, shader_id};
 use super::copy::{self, Copy};
+use super::error::short;
 use super::images::{Found, image};
 use super::layer::{Attribute, Entries, Layer, PrimId, entry};
 use super::numbers::{double, single};
@@ -11,17 +12,19 @@ use crate::exchange::field::{FieldDef, Fields};
 use crate::exchange::model::{Context, Notes, ShadingModel};
 use crate::material::{DEFAULT_UNIT_MM, Material};
 use crate::properties::{PROPERTIES, Property};
-use crate::slot::TextureRef;
+use crate::slot::{Slot, TextureRef};
 use crate::value::{Kind, Value};
 
 /// What shaders of the Adobe Standard Material 4.0 say that they are.
 pub(super) const ASM_ID: &str = "AdobeStandardMaterial_4_0";
 /// Key of `Material::foreign` for what surfaces of USD say beside their model.
 pub(super) const FOREIGN: &str = "usd";
-/// More materials than are read from a layer.
-const MAX_MATERIALS: usize = 10_000;
-/// More attributes of a prim than are searched without regard to case.
-const MAX_SEARCHED: usize = 1_000;
+/// Most materials that are read from a layer.
+const MAX_MATERIALS: usize = 2_000;
+/// Most attributes of a shader that are searched without regard to case, or for what ASM has no place for.
+const MAX_SEARCHED: usize = 300;
+/// Longest value of an input that is kept although ASM has no place for it, bytes.
+const MAX_KEPT_BYTES: usize = 300;
 
 /// A material of a layer.
 #[derive(Clone, Debug)]
@@ -40,10 +43,11 @@ pub struct FoundMaterial {
     pub notes: Notes,
 }
 
-/// All materials of a layer, in the order of the text.
+/// The materials of a layer, in the order of the text; of very many the first ones.
 pub fn materials(layer: &Layer) -> Vec<FoundMaterial> {
     let all = layer.prims().filter(|(id, prim)| prim.type_name == "Material" && layer.is_in_scene(*id));
-    all.take(MAX_MATERIALS).map(|(id, _)| Reader { layer, notes: Notes::new() }.material(id)).collect()
+    let meters_per_unit = meters_per_unit(layer);
+    all.take(MAX_MATERIALS).map(|(id, _)| Reader { layer, meters_per_unit, notes: Notes::new() }.material(id)).collect()
 }
 
 /// Metres per unit of a layer's lengths; USD's default of a centimetre where it says none.
@@ -54,6 +58,7 @@ pub fn meters_per_unit(layer: &Layer) -> f64 {
 
 struct Reader<'t, 'a> {
     layer: &'t Layer<'a>,
+    meters_per_unit: f64,
     notes: Notes,
 }
 
@@ -70,10 +75,11 @@ impl<'t, 'a> Reader<'t, 'a> {
             files: Vec::new(),
             notes: Notes::new(),
         };
+        let mut has_texts = false;
         match self.terminal(prim) {
             Some((shader, id)) if id == ASM_ID => {
                 found.network = id.to_owned();
-                self.standard_material(shader, native, &mut found);
+                has_texts = self.standard_material(shader, native, &mut found);
             }
             Some((shader, id)) => {
                 found.network = id.to_owned();
@@ -83,13 +89,14 @@ impl<'t, 'a> Reader<'t, 'a> {
             }
             None => self.notes.push("expected a surface that this program knows, found none; the default is used".to_owned()),
         }
-        if !found.is_native {
+        if !has_texts {
             let name = entry(metadata, "displayName").and_then(|name| name.text());
             found.material.name = name.filter(|name| !name.is_empty()).unwrap_or(&layer.prim(prim).name).to_owned();
-            let unit_mm = 1000.0 * meters_per_unit(layer);
+            let unit_mm = 1000.0 * self.meters_per_unit;
             found.material.unit_mm = (unit_mm != DEFAULT_UNIT_MM).then_some(unit_mm);
         }
-        found.notes = self.notes.into_iter().map(|note| format!("<{}>: {note}", found.path)).collect();
+        let place = short(&found.path);
+        found.notes = self.notes.into_iter().map(|note| format!("<{place}>: {note}")).collect();
         found
     }
 
@@ -106,7 +113,11 @@ impl<'t, 'a> Reader<'t, 'a> {
                     let rank = match id {
                         ASM_ID => 0,
                         _ if model_of(id).is_none() => {
-                            self.notes.push(format!("{}: the surface `{id}` is not known; not read", attribute.name));
+                            self.notes.push(format!(
+                                "{}: the surface `{}` is not known; not read",
+                                short(attribute.name),
+                                short(id)
+                            ));
                             continue;
                         }
                         "UsdPreviewSurface" => 2,
@@ -117,13 +128,14 @@ impl<'t, 'a> Reader<'t, 'a> {
                     }
                 }
                 Ok(_) => {}
-                Err(reason) => self.notes.push(format!("{}: {reason}", attribute.name)),
+                Err(reason) => self.notes.push(format!("{}: {reason}", short(attribute.name))),
             }
         }
         best.map(|(_, shader, id)| (shader, id))
     }
 
-    fn standard_material(&mut self, shader: PrimId, native: Option<&Entries>, found: &mut FoundMaterial) {
+    /// Reads the native shader; whether the copy beside it holds the texts of the material as well.
+    fn standard_material(&mut self, shader: PrimId, native: Option<&Entries>, found: &mut FoundMaterial) -> bool {
         let copy = native.and_then(|entries| copy::read(entries, &mut self.notes));
         let Some(copy) = copy else {
             for def in PROPERTIES {
@@ -132,7 +144,7 @@ impl<'t, 'a> Reader<'t, 'a> {
                 self.set_image(&mut found.material, def.id, image);
             }
             self.tell_of_others(shader, |name| PROPERTIES.iter().any(|def| def.usage.eq_ignore_ascii_case(name)));
-            return;
+            return false;
         };
         found.is_native = true;
         found.material = copy.material.clone();
@@ -145,16 +157,19 @@ impl<'t, 'a> Reader<'t, 'a> {
             }
             *found.material.slot_mut(def.id) = slot;
         }
+        copy.has_document
     }
 
     /// A slot of a native copy.
-    fn slot(&mut self, shader: PrimId, copy: &Copy, property: Property) -> crate::slot::Slot {
+    fn slot(&mut self, shader: PrimId, copy: &Copy, property: Property) -> Slot {
         let def = property.def();
         let (value, image) = self.input(shader, def.usage, def.default.kind());
         // Behind an image the input keeps its own value.
         let own = self.find_input(shader, def.usage).and_then(|attribute| typed(attribute, def.default.kind()));
         let value = copy.value(property, value.or(own), &mut self.notes);
-        crate::slot::Slot { value, texture: copy.texture(property, image.map(|found| found.texture), &mut self.notes) }
+        let texture = copy.texture(property, image.map(|found| found.texture), &mut self.notes);
+        let texture = if texture == copy.material.slot(property).texture { texture } else { texture.and_then(|t| self.safe(t)) };
+        Slot { value, texture }
     }
 
     fn set_image(&mut self, material: &mut Material, property: Property, image: Option<Found>) {
@@ -188,10 +203,9 @@ impl<'t, 'a> Reader<'t, 'a> {
     fn find_input(&self, shader: PrimId, name: &str) -> Option<&'t Attribute<'a>> {
         let layer = self.layer;
         let full = format!("inputs:{name}");
-        layer.attribute(shader, &full).or_else(|| {
-            let is_short = layer.prim(shader).attributes.len() <= MAX_SEARCHED;
-            layer.attributes(shader).find(|attribute| is_short && attribute.name.eq_ignore_ascii_case(&full))
-        })
+        let any_case =
+            || layer.attributes(shader).take(MAX_SEARCHED).find(|attribute| attribute.name.eq_ignore_ascii_case(&full));
+        layer.attribute(shader, &full).or_else(any_case)
     }
 
     /// What an input holds: a value, or an image.
@@ -227,10 +241,11 @@ impl<'t, 'a> Reader<'t, 'a> {
                 _ => self.field(&mut fields, model, def, shader, def.name),
             }
         }
-        let context = Context { meters_per_unit: meters_per_unit(self.layer), mesh_width: 1.0 };
+        let context = Context { meters_per_unit: self.meters_per_unit, mesh_width: 1.0 };
         let mut material = model.interpret(&fields, &context, &mut self.notes);
         let table = model.fields;
-        let others = self.tell_of_others(shader, |name| table.iter().any(|def| def.name.eq_ignore_ascii_case(name)) || name == "tangent");
+        let others =
+            self.tell_of_others(shader, |name| table.iter().any(|def| def.name.eq_ignore_ascii_case(name)) || name == "tangent");
         for (name, text) in others {
             material.foreign.entry(FOREIGN.to_owned()).or_default().insert(format!("{id}.{name}"), text);
         }
@@ -265,7 +280,9 @@ impl<'t, 'a> Reader<'t, 'a> {
     fn rotation(&mut self, fields: &mut Fields, model: &ShadingModel, shader: PrimId, def: &FieldDef) {
         let Ok(Some(Source::Output(node, _))) = follow(self.layer, shader, &format!("inputs:{}", def.name)) else { return };
         if !shader_id(self.layer, node).starts_with("ND_rotate3d") {
-            return self.notes.push(format!("inputs:{}: expected a rotation of the tangent, found another node; not read", def.name));
+            return self
+                .notes
+                .push(format!("inputs:{}: expected a rotation of the tangent, found another node; not read", def.name));
         }
         let (value, image) = self.input(node, "amount", Kind::Float);
         let Some(field) = fields.say(model.fields, def.name) else { return };
@@ -294,11 +311,14 @@ impl<'t, 'a> Reader<'t, 'a> {
                     (None, Some(text)) if matches!(attribute.type_name, "token" | "string") => super::numbers::quoted(text),
                     _ => continue,
                 };
+                if text.len() > MAX_KEPT_BYTES {
+                    continue;
+                }
                 kept.push((name.to_owned(), serde_json::json!(format!("{} {text}", attribute.type_name)).to_string()));
             }
         }
         if !names.is_empty() {
-            self.notes.push(format!("no property of ASM means: {}", names.join(", ")));
+            self.notes.push(format!("no property of ASM means: {}", short(&names.join(", "))));
         }
         kept
     }

@@ -69,7 +69,15 @@ mod tests {
 
     #[test]
     fn single_precision_keeps_short_decimals_and_bounds() {
-        for (x, text) in [(0.3, "0.3"), (1.0, "1"), (-0.0, "-0.0"), (0.1 + 0.2, "0.3"), (1e300, "3.4028235e38"), (f64::NAN, "0"), (1e-7, "1e-7")] {
+        for (x, text) in [
+            (0.3, "0.3"),
+            (1.0, "1"),
+            (-0.0, "-0.0"),
+            (0.1 + 0.2, "0.3"),
+            (1e300, "3.4028235e38"),
+            (f64::NAN, "0"),
+            (1e-7, "1e-7"),
+        ] {
             assert_eq!(number(x), text);
             assert_eq!(single(single(x)).to_bits(), single(x).to_bits());
         }

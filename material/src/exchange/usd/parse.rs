@@ -6,7 +6,9 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use super::error::{MAX_DEPTH, MAX_PRIMS, MAX_USDA_BYTES, UsdError};
+use super::error::{
+    MAX_ATTRIBUTES, MAX_DEPTH, MAX_ENTRIES, MAX_NAME_BYTES, MAX_PRIMS, MAX_USDA_BYTES, MAX_VARIANT_SETS, UsdError, short,
+};
 use super::layer::{Attribute, Entries, Layer, Prim, PrimId, Value, entry};
 use super::lex::{Lexer, Token};
 
@@ -19,7 +21,14 @@ pub fn parse(text: &str) -> Result<Layer<'_>, UsdError> {
     if !body.starts_with("#usda ") {
         return Err(UsdError::NotUsd);
     }
-    let mut parser = Parser { lexer: Lexer::new(body), token: Token::End, line: 1, layer: empty(), frames: vec![Frame::Prim(Layer::ROOT)] };
+    let mut parser = Parser {
+        lexer: Lexer::new(body),
+        token: Token::End,
+        line: 1,
+        layer: empty(),
+        frames: vec![Frame::Prim(Layer::ROOT)],
+        variant_sets: 0,
+    };
     parser.advance()?;
     if parser.token == Token::Mark(b'(') {
         let metadata = parser.metadata()?;
@@ -67,6 +76,7 @@ struct Parser<'a> {
     line: usize,
     layer: Layer<'a>,
     frames: Vec<Frame<'a>>,
+    variant_sets: usize,
 }
 
 const OPERATIONS: [&str; 5] = ["prepend", "append", "add", "delete", "reorder"];
@@ -162,11 +172,20 @@ impl<'a> Parser<'a> {
                 let name = self.text("the name of a set of variants")?;
                 self.mark(b'=')?;
                 self.mark(b'{')?;
+                self.variant_sets += 1;
+                if self.variant_sets > MAX_VARIANT_SETS {
+                    return self.too_much(format!("{MAX_VARIANT_SETS} sets of variants"));
+                }
                 let selection = entry(&self.layer.prim(prim).metadata, "variants").and_then(Value::entries);
-                let selected = selection.and_then(|entries| entry(entries, &name)).and_then(|value| value.texts().first()).cloned();
+                let selected =
+                    selection.and_then(|entries| entry(entries, &name)).and_then(|value| value.texts().first()).cloned();
                 if selected.is_none() {
                     let path = self.layer.path(prim);
-                    self.layer.note(format!("line {}: <{path}>: no variant of `{name}` is selected; none is read", self.line));
+                    self.layer.note(format!(
+                        "line {}: <{path}>: no variant of `{}` is selected; none is read",
+                        self.line,
+                        short(&name)
+                    ));
                 }
                 self.push(Frame::VariantSet(prim, selected))?;
             }
@@ -186,6 +205,9 @@ impl<'a> Parser<'a> {
         let type_name = if let Token::Word(_) = self.token { self.word("a type")? } else { "" };
         let line = self.line;
         let name = self.text("the name of a prim in quotes")?;
+        if name.len() > MAX_NAME_BYTES {
+            return self.too_much(format!("{MAX_NAME_BYTES} bytes in the name of a prim"));
+        }
         let metadata = if self.token == Token::Mark(b'(') { self.metadata()? } else { Vec::new() };
         self.mark(b'{')?;
         let id = match self.layer.child(parent, &name) {
@@ -202,7 +224,9 @@ impl<'a> Parser<'a> {
         }
         prim.is_defined |= specifier == "def";
         prim.is_defined &= is_active;
-        prim.metadata.extend(metadata);
+        if prim.metadata.len() < MAX_ENTRIES {
+            prim.metadata.extend(metadata);
+        }
         self.push(Frame::Prim(id))
     }
 
@@ -220,7 +244,7 @@ impl<'a> Parser<'a> {
     fn tell_of_arcs(&mut self, place: &str, metadata: &Entries<'a>) {
         for (key, value) in metadata.iter().filter(|(key, _)| ARCS.contains(&key.as_ref())) {
             if !matches!(value, Value::None) {
-                let named = value.text().map(|text| format!(" `{text}`")).unwrap_or_default();
+                let named = value.text().map(|text| format!(" `{}`", short(text))).unwrap_or_default();
                 self.layer.note(format!("{place}: {key}{named}: not followed; export the scene flattened to have all of it"));
             }
         }
@@ -269,6 +293,9 @@ impl<'a> Parser<'a> {
             return Ok(());
         }
         let new = Attribute { name, type_name: word, value, targets, metadata, line, is_weak };
+        if self.layer.attributes.len() > MAX_ATTRIBUTES {
+            return self.too_much(format!("{MAX_ATTRIBUTES} properties"));
+        }
         self.add_attribute(prim, new);
         Ok(())
     }
@@ -289,7 +316,9 @@ impl<'a> Parser<'a> {
         if !new.targets.is_empty() && (wins || old.targets.is_empty()) {
             old.targets = new.targets;
         }
-        old.metadata.extend(new.metadata);
+        if old.metadata.len() < MAX_ENTRIES {
+            old.metadata.extend(new.metadata);
+        }
         old.is_weak &= new.is_weak;
     }
 
@@ -362,6 +391,7 @@ impl<'a> Parser<'a> {
             } else if !is_deleted {
                 entries.push((Cow::Borrowed(key), value));
             }
+            self.check_entries(&entries)?;
         }
         self.advance()?;
         Ok(entries)
@@ -453,6 +483,10 @@ impl<'a> Parser<'a> {
         Ok(text)
     }
 
+    fn check_entries(&self, entries: &Entries) -> Result<(), UsdError> {
+        if entries.len() > MAX_ENTRIES { self.too_much(format!("{MAX_ENTRIES} entries in one place")) } else { Ok(()) }
+    }
+
     /// Skips how the times of a reference are shifted: `(offset = 1; scale = 2)`.
     fn skip_time_offset(&mut self) -> Result<(), UsdError> {
         if self.token == Token::Mark(b'(') { self.skip_block(b'(', b')') } else { Ok(()) }
@@ -475,14 +509,16 @@ impl<'a> Parser<'a> {
                 if self.take_mark(b'[')? {
                     self.mark(b']')?;
                 }
-                let key = match self.advance()? {
+                let key = match self.token.clone() {
                     Token::Word(word) => Cow::Borrowed(word),
                     Token::Text(text) => text,
-                    _ => return self.expected("`=` behind the name of an entry"),
+                    _ => return self.expected("the name of an entry"),
                 };
+                self.advance()?;
                 self.mark(b'=')?;
                 let value = self.value(depth + 1)?;
                 entries.push((key, value));
+                self.check_entries(&entries)?;
             }
             self.take_mark(b',')?;
         }

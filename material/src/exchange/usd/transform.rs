@@ -1,5 +1,6 @@
 //! Where a prim stands: its transform operations as one matrix. Vectors are rows, as in USD: `p' = p · M`.
 
+use super::error::short;
 use super::layer::{Layer, PrimId, Value};
 
 /// A 4 by 4 matrix by rows.
@@ -8,7 +9,7 @@ pub(super) type Matrix = [[f64; 4]; 4];
 /// The matrix that changes nothing.
 pub(super) const IDENTITY: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 /// More operations than a prim has.
-const MAX_OPERATIONS: usize = 256;
+const MAX_OPERATIONS: usize = 32;
 
 /// From the space of a prim to that of the layer. Operations that cannot be read are named in `faults`.
 pub(super) fn to_layer(layer: &Layer, mut prim: PrimId, faults: &mut Vec<String>) -> Matrix {
@@ -38,7 +39,11 @@ fn local(layer: &Layer, prim: PrimId, faults: &mut Vec<String>) -> (Matrix, bool
         let operation = layer.value(prim, bare).and_then(|value| operation(bare, value));
         match operation.and_then(|matrix| if inverts { inverse(&matrix) } else { Some(matrix) }) {
             Some(next) => matrix = product(&next, &matrix),
-            None => faults.push(format!("<{}>: expected an operation of transforms, found `{name}`; not used", layer.path(prim))),
+            None => faults.push(format!(
+                "<{}>: expected an operation of transforms, found `{}`; not used",
+                short(&layer.path(prim)),
+                short(name)
+            )),
         }
     }
     (matrix, resets)

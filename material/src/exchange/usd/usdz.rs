@@ -68,7 +68,8 @@ pub fn read(bytes: &[u8]) -> Result<Package<'_>, UsdError> {
     let short = || fault("", "expected a zip archive, found bytes that end too early");
     let end = find_end(bytes)?;
     let word = |at: usize| number(bytes, at, 2).ok_or_else(short);
-    let (count, size, start) = (word(end + 10)?, number(bytes, end + 12, 4).ok_or_else(short)?, number(bytes, end + 16, 4).ok_or_else(short)?);
+    let (count, size, start) =
+        (word(end + 10)?, number(bytes, end + 12, 4).ok_or_else(short)?, number(bytes, end + 16, 4).ok_or_else(short)?);
     if word(end + 4)? != 0 || word(end + 6)? != 0 || word(end + 8)? != count {
         return Err(fault("", "expected an archive in one piece, found a part of one"));
     }
@@ -128,7 +129,8 @@ fn entry(bytes: &[u8], at: usize, list: usize) -> Result<(String, Range<usize>, 
     let (name_length, extra, comment) = (half(28)?, half(30)?, half(32)?);
     let name_start = at + CENTRAL_BYTES;
     let raw = bytes.get(name_start..name_start + name_length).ok_or_else(short)?;
-    let name = std::str::from_utf8(raw).map_err(|_| fault(&String::from_utf8_lossy(raw), "expected a name in UTF-8, found another"))?;
+    let name =
+        std::str::from_utf8(raw).map_err(|_| fault(&String::from_utf8_lossy(raw), "expected a name in UTF-8, found another"))?;
     let refuse = |message: &str| Err(fault(name, message));
     if let Some(reason) = bad_name(name) {
         return refuse(reason);

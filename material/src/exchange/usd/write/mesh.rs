@@ -27,11 +27,14 @@ pub struct MeshArrays<'a> {
 /// Writes the mesh; materials by their paths.
 pub(super) fn write(text: &mut Text, mesh: &MeshArrays, materials: &[String], meters_per_unit: f64) {
     let name: String = mesh.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    let name = if name.starts_with(|c: char| c.is_ascii_alphabetic()) && name != "Materials" { name } else { format!("Mesh_{name}") };
+    let name =
+        if name.starts_with(|c: char| c.is_ascii_alphabetic()) && name != "Materials" { name } else { format!("Mesh_{name}") };
     let parts: Vec<(&String, Range<usize>)> = mesh
         .parts
         .iter()
-        .filter_map(|(material, range)| Some((materials.get(*material)?, range.start.min(mesh.triangles.len())..range.end.min(mesh.triangles.len()))))
+        .filter_map(|(material, range)| {
+            Some((materials.get(*material)?, range.start.min(mesh.triangles.len())..range.end.min(mesh.triangles.len())))
+        })
         .collect();
     let positions: Vec<[f64; 3]> = mesh.positions.iter().map(|p| p.map(|x| f64::from(x) / meters_per_unit)).collect();
 

@@ -204,7 +204,9 @@ fn is_one_input(line: &str) -> bool {
     let text = format!("#usda 1.0\ndef Shader \"a\"\n{{\n{line}\n}}\n");
     let Ok(layer) = parse(&text) else { return false };
     let is_alone = layer.prims().count() == 1 && layer.attributes(1).count() == 1;
-    is_alone && !line.contains(['\n', '\r', '#', '/', '@']) && layer.attributes(1).all(|a| a.value.is_some() && a.name.starts_with("inputs:"))
+    is_alone
+        && !line.contains(['\n', '\r', '#', '/', '@'])
+        && layer.attributes(1).all(|a| a.value.is_some() && a.name.starts_with("inputs:"))
 }
 
 fn field_value(model: &ShadingModel, translation: &Translation, name: &str) -> Option<f64> {
