@@ -4,7 +4,7 @@ use super::error::{MAX_NAME_BYTES, short};
 use super::layer::{Attribute, Layer, PrimId};
 
 /// More steps than a network has.
-const MAX_STEPS: usize = 16;
+const MAX_STEPS: usize = 8;
 
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug)]

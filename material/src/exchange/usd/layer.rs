@@ -9,7 +9,7 @@ use crate::exchange::model::Notes;
 const MAX_NOTES: usize = 200;
 
 /// Longest path that is followed, bytes.
-const MAX_PATH_BYTES: usize = 2_000;
+const MAX_PATH_BYTES: usize = 1_000;
 
 /// Place of a prim in its layer; 0 is the layer's root.
 pub type PrimId = u32;

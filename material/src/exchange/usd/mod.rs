@@ -16,12 +16,13 @@ mod numbers;
 mod parse;
 mod transform;
 pub mod usdz;
+mod values;
 mod write;
 
 use super::model::Notes;
 
-pub use error::{MAX_DEPTH, MAX_PRIMS, MAX_USDA_BYTES, UsdError};
-pub use geometry::{FoundMesh, Part, meshes};
+pub use error::{MAX_PRIMS, MAX_USDA_BYTES, UsdError};
+pub use geometry::{FoundMesh, MAX_MESHES, MAX_TRIANGLES, Part, meshes};
 pub use layer::{Attribute, Entries, Layer, Prim, PrimId, Value};
 pub use materials::{FoundMaterial, materials, meters_per_unit};
 pub use parse::parse;

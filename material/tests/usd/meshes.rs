@@ -1,10 +1,9 @@
 //! Meshes out of USD: faces, primvars, transforms, units and materials.
 
-use burnish_material::exchange::usd::{self, FoundMesh, Scene};
+use burnish_material::exchange::usd::{self, FoundMesh, MeshArrays, Options};
+use burnish_material::{Material, Property};
 
-fn read(text: &str) -> Scene {
-    usd::read(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
+use super::read;
 
 /// A square of two units in a layer of metres, with these lines.
 fn square(lines: &str) -> String {
@@ -135,8 +134,8 @@ fn variants_overs_and_references() {
     assert!(notes.len() == 1 && notes[0].contains("references `other.usda`") || notes[0].contains("not followed"), "{notes:?}");
     assert_eq!(scene.materials.len(), 1);
     let material = &scene.materials[0].material;
-    assert_eq!(material.color(burnish_material::Property::base_color), [1.0, 0.0, 0.0]);
-    assert_eq!(material.float(burnish_material::Property::roughness), 0.25, "what the prim itself says counts more");
+    assert_eq!(material.color(Property::base_color), [1.0, 0.0, 0.0]);
+    assert_eq!(material.float(Property::roughness), 0.25, "what the prim itself says counts more");
 }
 
 #[test]
@@ -169,4 +168,31 @@ fn broken_meshes_cost_a_note_each() {
     assert!(read(&square(flat)).meshes.is_empty());
     let unknown = read(&square("uniform token[] xformOpOrder = [\"xformOp:twist\"]"));
     assert!(unknown.meshes.len() == 1 && unknown.notes.len() == 1);
+}
+
+#[test]
+fn a_mesh_opens_with_its_materials() {
+    let (a, b) = (Material::named("Same"), Material::named("Same"));
+    let mesh = MeshArrays {
+        name: "Quad",
+        positions: &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.5]],
+        normals: &[[0.0, 0.0, 1.0]; 4],
+        tangents: &[[1.0, 0.0, 0.0, 1.0]; 4],
+        uvs: &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        triangles: &[[0, 1, 2], [0, 2, 3]],
+        parts: &[(1, 0..1), (0, 1..2)],
+    };
+    let options = Options { path_of: &|texture| texture.path.clone(), image_folder: "", mesh: Some(&mesh) };
+    let scene = read(&usd::write(&[&a, &b], &options).text);
+    assert!(scene.notes.is_empty(), "{:?}", scene.notes);
+    let found = &scene.meshes[0];
+    assert_eq!(found.path, "/Scene/Quad");
+    for (p, q) in found.positions.iter().zip(mesh.positions) {
+        assert!(p.iter().zip(q).all(|(p, q)| (p - q).abs() < 1e-6), "{p:?} {q:?}");
+    }
+    assert_eq!((found.uvs.as_deref(), found.normals.as_deref()), (Some(mesh.uvs), Some(mesh.normals)));
+    assert_eq!(found.triangles, mesh.triangles);
+    let parts: Vec<_> = found.parts.iter().map(|part| (part.material, part.triangles.clone())).collect();
+    assert_eq!(parts, [(Some(1), 0..1), (Some(0), 1..2)]);
+    assert_eq!(scene.materials[1].path, "/Scene/Materials/Same_2");
 }

@@ -1,4 +1,4 @@
-//! USD from strangers: broken and hostile files cost one clear sentence, neither a panic nor much time or memory.
+//! Files from strangers: broken and hostile files cost one clear sentence, neither a panic nor much time or memory.
 
 use burnish_material::exchange::usd::{self, UsdError, usdz};
 use burnish_material::{Material, Property};
