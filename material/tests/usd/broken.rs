@@ -171,6 +171,9 @@ fn packages_are_aligned_and_come_back() {
     for (_, data) in read.files() {
         assert_eq!((data.as_ptr() as usize - bytes.as_ptr() as usize) % 64, 0);
     }
+    assert_eq!(read.beside_layer("maps/a.png"), Some(&b"abcd"[..]));
+    let deep = usdz::write("d/a.usda", "#usda 1.0\n", &[("d/b.png", b"b")]).expect("a package");
+    assert_eq!(usdz::read(&deep).expect("our own package").beside_layer("b.png"), Some(&b"b"[..]));
     assert_eq!((read.layer(), read.file("maps/a.png"), read.file("c")), (Ok("#usda 1.0\n"), Some(&b"abcd"[..]), None));
 }
 

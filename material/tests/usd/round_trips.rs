@@ -42,7 +42,7 @@ fn filled(name: &str, number: impl Fn(&burnish_material::PropertyDef) -> f64) ->
 }
 
 fn random_texture(random: &mut Random) -> TextureRef {
-    let mut texture = TextureRef::new(format!("maps/bild {}@ä.png", random.below(5)));
+    let mut texture = TextureRef::new(["a.png", "./maps/bild 1@ä.png", "odd@@@\n.exr", "../b.png"][random.below(4) as usize]);
     texture.channel = Channel::ALL[random.below(5) as usize].0;
     texture.color_space = ColorSpace::ALL[random.below(3) as usize].0;
     texture.wrap = Wrap::ALL[random.below(3) as usize].0;
@@ -76,7 +76,7 @@ fn random_material(random: &mut Random) -> Material {
         }
     }
     if random.below(2) == 0 {
-        material.notes = "line one\nline \"two\" \\ \t§ \u{1}".to_owned();
+        material.notes = "line one\nline \"two\" \\ \t§ \u{1}\u{7f}\u{85}".to_owned();
         material.tags = vec!["a".to_owned(), "b,\"c\"".to_owned()];
         material.aliases = vec!["other".to_owned()];
         material.provenance.source = "somebody".to_owned();

@@ -6,7 +6,7 @@
 use super::error::short;
 use super::images::as_written;
 use super::layer::{Entries, entry};
-use super::numbers::{double, quoted, quoted_list, single};
+use super::numbers::{double, file_path, quoted, quoted_list, single};
 use crate::exchange::field::Field;
 use crate::exchange::merge::is_same;
 use crate::exchange::model::Notes;
@@ -43,7 +43,7 @@ pub(super) fn lines(material: &Material, path_of: &dyn Fn(&TextureRef) -> String
             }
         }
         if let Some(texture) = &slot.texture {
-            let path = path_of(texture);
+            let path = file_path(&path_of(texture));
             if path != texture.path {
                 files.push(format!("{}={path}", def.name));
             }

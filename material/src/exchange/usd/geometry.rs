@@ -42,14 +42,14 @@ pub struct Part {
     pub triangles: Range<usize>,
 }
 
-/// The meshes of a layer; of very many the first ones. One that cannot be read costs a note.
-pub fn meshes(layer: &Layer, materials: &[FoundMaterial], notes: &mut Notes) -> Vec<FoundMesh> {
+/// The meshes of a layer; of very many the first ones, with a note. One that cannot be read costs a note.
+pub(super) fn meshes(layer: &Layer, materials: &[FoundMaterial], notes: &mut Notes) -> Vec<FoundMesh> {
     let notes_before = notes.len();
     let places: HashMap<&str, usize> = materials.iter().enumerate().map(|(place, found)| (found.path.as_str(), place)).collect();
     let (mut found, mut left) = (Vec::new(), MAX_TRIANGLES);
     let to_metres = to_metres(layer);
-    let all = layer.prims().filter(|(id, prim)| prim.type_name == "Mesh" && layer.is_in_scene(*id));
-    for (id, _) in all.take(MAX_MESHES) {
+    let mut all = layer.in_scene("Mesh");
+    for id in all.by_ref().take(MAX_MESHES) {
         let mut faults = Notes::new();
         match mesh(layer, id, &places, left, &to_metres, &mut faults) {
             Ok(mesh) => {
@@ -60,6 +60,9 @@ pub fn meshes(layer: &Layer, materials: &[FoundMaterial], notes: &mut Notes) -> 
         }
         faults.truncate(MAX_NOTES.saturating_sub(notes.len().saturating_sub(notes_before)));
         notes.append(&mut faults);
+    }
+    if all.next().is_some() {
+        notes.push(format!("expected at most {MAX_MESHES} meshes, found more; the first ones are read"));
     }
     found
 }

@@ -2,7 +2,7 @@
 
 use super::connections::{Source, constant, follow, numbers, shader_id, text};
 use super::layer::{Layer, PrimId, entry};
-use super::numbers::single;
+use super::numbers::{file_path, single};
 use crate::exchange::model::Notes;
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
@@ -230,7 +230,7 @@ fn is_near(a: f64, b: f64) -> bool {
 /// How an image of a property of this kind comes back from the network that is written for it, at this path. Scalars from all channels
 /// come back from red, inversions as a scale and a bias.
 pub(super) fn as_written(kind: Kind, texture: &TextureRef, path: &str) -> TextureRef {
-    let mut out = TextureRef { path: path.strip_prefix("./").unwrap_or(path).to_owned(), ..texture.clone() };
+    let mut out = TextureRef { path: file_path(path.strip_prefix("./").unwrap_or(path)), ..texture.clone() };
     let is_color = kind == Kind::Color;
     let has_curve = is_color && ![".hdr", ".exr"].iter().any(|end| path.to_ascii_lowercase().ends_with(end));
     out.color_space = match texture.color_space {

@@ -166,8 +166,13 @@ impl<'a> Layer<'a> {
         self.prims.iter().enumerate().skip(1).map(|(place, prim)| (place as PrimId, prim))
     }
 
-    /// Whether the scene holds the prim and all that it stands in.
-    pub fn is_in_scene(&self, mut prim: PrimId) -> bool {
+    /// The prims of a type that the scene holds, in the order of the text.
+    pub fn in_scene(&self, type_name: &str) -> impl Iterator<Item = PrimId> {
+        let of_type = self.prims().filter(move |(_, prim)| prim.type_name == type_name);
+        of_type.map(|(id, _)| id).filter(|id| self.is_in_scene(*id))
+    }
+
+    fn is_in_scene(&self, mut prim: PrimId) -> bool {
         while prim != Self::ROOT {
             if !self.prim(prim).is_defined {
                 return false;

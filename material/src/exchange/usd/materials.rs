@@ -20,7 +20,7 @@ pub(super) const ASM_ID: &str = "AdobeStandardMaterial_4_0";
 /// Key of `Material::foreign` for what surfaces of USD say beside their model.
 pub(super) const FOREIGN: &str = "usd";
 /// Most materials that are read from a layer.
-const MAX_MATERIALS: usize = 2_000;
+pub const MAX_MATERIALS: usize = 2_000;
 /// Most attributes of a shader that are searched without regard to case, or for what ASM has no place for.
 const MAX_SEARCHED: usize = 300;
 /// Longest value of an input that is kept although ASM has no place for it, bytes.
@@ -43,15 +43,20 @@ pub struct FoundMaterial {
     pub notes: Notes,
 }
 
-/// The materials of a layer, in the order of the text; of very many the first ones.
-pub fn materials(layer: &Layer) -> Vec<FoundMaterial> {
-    let all = layer.prims().filter(|(id, prim)| prim.type_name == "Material" && layer.is_in_scene(*id));
+/// The materials of a layer, in the order of the text; of very many the first ones, with a note.
+pub(super) fn materials(layer: &Layer, notes: &mut Notes) -> Vec<FoundMaterial> {
+    let mut all = layer.in_scene("Material");
     let meters_per_unit = meters_per_unit(layer);
-    all.take(MAX_MATERIALS).map(|(id, _)| Reader { layer, meters_per_unit, notes: Notes::new() }.material(id)).collect()
+    let read = |id| Reader { layer, meters_per_unit, notes: Notes::new() }.material(id);
+    let found = all.by_ref().take(MAX_MATERIALS).map(read).collect();
+    if all.next().is_some() {
+        notes.push(format!("expected at most {MAX_MATERIALS} materials, found more; the first ones are read"));
+    }
+    found
 }
 
 /// Metres per unit of a layer's lengths; USD's default of a centimetre where it says none.
-pub fn meters_per_unit(layer: &Layer) -> f64 {
+pub(super) fn meters_per_unit(layer: &Layer) -> f64 {
     let said = layer.metadata("metersPerUnit").and_then(|value| value.number());
     said.filter(|m| m.is_finite() && *m > 0.0).unwrap_or(0.01)
 }

@@ -22,10 +22,8 @@ mod write;
 use super::model::Notes;
 
 pub use error::{MAX_PRIMS, MAX_USDA_BYTES, UsdError};
-pub use geometry::{FoundMesh, MAX_MESHES, MAX_TRIANGLES, Part, meshes};
-pub use layer::{Attribute, Entries, Layer, Prim, PrimId, Value};
-pub use materials::{FoundMaterial, materials, meters_per_unit};
-pub use parse::parse;
+pub use geometry::{FoundMesh, MAX_MESHES, MAX_TRIANGLES, Part};
+pub use materials::{FoundMaterial, MAX_MATERIALS};
 pub use write::{ComputedImage, Export, MeshArrays, Options, write};
 
 /// What a layer holds for a material editor.
@@ -41,11 +39,11 @@ pub struct Scene {
 
 /// Reads the text of a layer.
 pub fn read(text: &str) -> Result<Scene, UsdError> {
-    let layer = parse(text)?;
+    let layer = parse::parse(text)?;
     let mut notes = layer.notes();
-    let materials = materials(&layer);
+    let materials = materials::materials(&layer, &mut notes);
     notes.extend(materials.iter().flat_map(|material| material.notes.iter().cloned()));
-    let meshes = meshes(&layer, &materials, &mut notes);
+    let meshes = geometry::meshes(&layer, &materials, &mut notes);
     Ok(Scene { materials, meshes, notes })
 }
 

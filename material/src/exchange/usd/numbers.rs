@@ -42,7 +42,7 @@ pub(super) fn quoted(text: &str) -> String {
             '\n' => out += "\\n",
             '\r' => out += "\\r",
             '\t' => out += "\\t",
-            c if c.is_control() => out.push(' '),
+            c if c < ' ' => out.push(' '),
             c => out.push(c),
         }
     }
@@ -54,13 +54,18 @@ pub(super) fn quoted_list(texts: impl IntoIterator<Item = String>) -> String {
     format!("[{}]", texts.into_iter().map(|text| quoted(&text)).collect::<Vec<_>>().join(", "))
 }
 
-/// The path of a file between its marks.
-pub(super) fn asset(path: &str) -> String {
+/// The path of a file as usda can hold it.
+pub(super) fn file_path(path: &str) -> String {
     let path: String = path.chars().filter(|c| !c.is_control()).collect();
+    path.replace("@@@", "@")
+}
+
+/// The path of a file, as [`file_path`] makes it, between its marks.
+pub(super) fn asset(path: &str) -> String {
     let is_plain = path.starts_with('.') || path.starts_with('/') || path.contains(':');
     // Without `./` a path is looked for in search folders first.
     let anchor = if is_plain || path.is_empty() { "" } else { "./" };
-    if path.contains('@') { format!("@@@{anchor}{}@@@", path.replace("@@@", "@")) } else { format!("@{anchor}{path}@") }
+    if path.contains('@') { format!("@@@{anchor}{path}@@@") } else { format!("@{anchor}{path}@") }
 }
 
 #[cfg(test)]

@@ -46,6 +46,13 @@ impl<'a> Package<'a> {
         self.files().find(|(found, _)| *found == name).map(|(_, bytes)| bytes)
     }
 
+    /// The bytes of a file by its path as the layer says it: from the folder of the layer.
+    pub fn beside_layer(&self, path: &str) -> Option<&'a [u8]> {
+        let (layer, _) = self.files.first()?;
+        let folder = layer.rfind('/').map_or("", |slash| &layer[..=slash]);
+        self.file(&format!("{folder}{path}"))
+    }
+
     /// The text of the package's layer, its first file.
     pub fn layer(&self) -> Result<&'a str, UsdError> {
         let Some((name, bytes)) = self.files().next() else {
