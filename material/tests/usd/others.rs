@@ -9,7 +9,7 @@ use super::{export, read};
 fn promoted_inputs_and_node_graphs_are_followed() {
     let text = r#"#usda 1.0
 def Scope "Looks" {
-    def Material "Wood" ( displayName = "Old wood" ) {
+    def Material "Wood" ( displayName = "Old\t\"wood\"\x21 \\ \'\n" ) {
         float3 inputs:baseColor = (0.25, 0.5, 0.75) ( customData = { dictionary range = { double max = 1 } } )
         asset inputs:file = @./a/rough.png@ ( colorSpace = "raw" )
         half inputs:coat_amount = 0.5
@@ -22,10 +22,24 @@ def Scope "Looks" {
                 color3f inputs:baseColor.connect = </Looks/Wood.inputs:baseColor>
                 float inputs:ROUGHNESS.connect = </Looks/Wood/Graph/Rough.outputs:g>
                 float inputs:ior = 1.25
+                normal3f inputs:normal.connect = </Looks/Wood/Graph/Normal.outputs:rgb>
+                float inputs:normalScale = 0.5
+                color3f inputs:sheenColor.connect = </Looks/Wood/Graph/Constant.outputs:out>
                 double inputs:coatIOR = 1.3000000000000003
                 float inputs:coatOpacity.connect = </Looks/Wood/Graph.outputs:coat>
                 int inputs:scatter = 1
                 token outputs:surface
+            }
+            def Shader "Constant" {
+                uniform token info:id = "ND_constant_color3"
+                color3f inputs:value = (0.5, 0.25, 0)
+            }
+            def Shader "Normal" {
+                uniform token info:id = "UsdUVTexture"
+                asset inputs:file = @n.png@
+                float4 inputs:scale = (1.5, 1.5, 1.5, 0.75)
+                float4 inputs:bias = (-0.75, -0.75, -0.75, 0)
+                float3 outputs:rgb
             }
             def Shader "Rough" {
                 uniform token info:id = "UsdUVTexture"
@@ -43,11 +57,12 @@ def Scope "Looks" {
     let scene = read(text);
     assert!(scene.notes.is_empty(), "{:?}", scene.notes);
     let found = &scene.materials[0].material;
-    assert_eq!(found.name, "Old wood");
+    assert_eq!(found.name, "Old\t\"wood\"! \\ '\n");
     assert_eq!(found.unit_mm, Some(10.0));
     assert_eq!(found.color(Property::base_color), [0.25, 0.5, 0.75]);
     assert_eq!((found.float(Property::specular_ior), found.float(Property::coat_ior)), (1.25, 1.3000000000000003));
     assert_eq!((found.float(Property::coat), found.switch(Property::scatter)), (0.5, true));
+    assert_eq!((found.float(Property::normal_scale), found.color(Property::sheen_color)), (0.375, [0.5, 0.25, 0.0]));
     let expected = TextureRef {
         channel: Channel::G,
         wrap: Wrap::Mirror,
@@ -146,6 +161,9 @@ fn the_networks_hold_the_published_numbers() {
     let mut material = Material::default();
     let placed = TextureRef { uv_rotation: 30.0, uv_scale: [2.0, 4.0], uv_offset: [0.1, 0.2], ..TextureRef::new("a.png") };
     material.slot_mut(Property::metallic).texture = Some(placed);
+    let inverted = |scale: f64| TextureRef { is_inverted: true, scale: [scale; 3], ..TextureRef::new("a.png") };
+    material.slot_mut(Property::coat).texture = Some(inverted(0.5));
+    material.slot_mut(Property::normal).texture = Some(inverted(1.0));
     let text = export(&[&material]).text;
     for line in [
         "float inputs:rotation = 30",
@@ -154,6 +172,10 @@ fn the_networks_hold_the_published_numbers() {
         "float inputs:rotate = -30",
         "float2 inputs:scale = (0.5, 0.25)",
         "float2 inputs:offset = (-0.1, -0.2)",
+        // 0.5·(1 - x), and the other side of green.
+        "float4 inputs:scale = (-0.5, -0.5, -0.5, -0.5)\n        float4 inputs:bias = (0.5, 0.5, 0.5, 0.5)",
+        "float4 inputs:scale = (2, -2, 2, 1)\n        float4 inputs:bias = (-1, 1, -1, 0)",
+        "token inputs:sourceColorSpace = \"raw\"",
     ] {
         assert!(text.contains(line), "{line}\n{text}");
     }

@@ -115,11 +115,12 @@ fn uv_texture(layer: &Layer, shader: PrimId, output: &str, kind: Kind, notes: &m
         if scale.is_some() || bias.is_some() {
             normal_scale = factor[0].abs() / 2.0;
             texture.is_inverted = factor[1] < 0.0;
+            // Adobe's writers scale all three, which has no other meaning.
             let is_usual = factor[0] > 0.0
                 && is_near(factor[0], factor[1].abs())
                 && is_near(offset[0], -factor[0] / 2.0)
                 && is_near(offset[1], -factor[1] / 2.0)
-                && is_near(factor[2], 2.0);
+                && (is_near(factor[2], 2.0) || is_near(factor[2], factor[0]));
             if !is_usual {
                 notes.push(format!(
                     "the image `{}`: expected a scale and bias of directions, (2, 2, 2) and (-1, -1, -1), found others; only the \

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
+use super::error::short;
 use crate::exchange::model::Notes;
 
 /// Notes beyond this number are counted, not listed.
@@ -244,7 +245,13 @@ impl<'a> Layer<'a> {
         notes
     }
 
-    pub(super) fn note(&mut self, note: String) {
-        if self.notes.len() < MAX_NOTES { self.notes.push(note) } else { self.more_notes += 1 }
+    /// Tells of something in a line, about a prim where it is known.
+    pub fn note(&mut self, line: usize, prim: Option<PrimId>, what: &str) {
+        if self.notes.len() >= MAX_NOTES {
+            self.more_notes += 1;
+            return;
+        }
+        let place = prim.map(|prim| format!("<{}>: ", short(&self.path(prim)))).unwrap_or_default();
+        self.notes.push(format!("line {line}: {place}{what}"));
     }
 }

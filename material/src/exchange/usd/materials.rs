@@ -143,10 +143,14 @@ impl<'t, 'a> Reader<'t, 'a> {
     fn standard_material(&mut self, shader: PrimId, native: Option<&Entries>, found: &mut FoundMaterial) -> bool {
         let copy = native.and_then(|entries| copy::read(entries, &mut self.notes));
         let Some(copy) = copy else {
-            for def in PROPERTIES {
-                let (value, image) = self.input(shader, def.usage, def.default.kind());
-                found.material.slot_mut(def.id).value = value;
-                self.set_image(&mut found.material, def.id, image);
+            let inputs = PROPERTIES.iter().map(|def| (def.id, self.input(shader, def.usage, def.default.kind())));
+            let inputs: Vec<_> = inputs.collect();
+            for (property, (value, _)) in &inputs {
+                found.material.slot_mut(*property).value = *value;
+            }
+            // Strengths of normal maps multiply what the values say.
+            for (property, (_, image)) in inputs {
+                self.set_image(&mut found.material, property, image);
             }
             self.tell_of_others(shader, |name| PROPERTIES.iter().any(|def| def.usage.eq_ignore_ascii_case(name)));
             return false;
@@ -222,6 +226,12 @@ impl<'t, 'a> Reader<'t, 'a> {
                 Some(value) => return (Some(value), None),
                 None => format!("line {}: expected {}, found another value; not read", attribute.line, kind.expectation()),
             },
+            Ok(Some(Source::Output(node, _))) if shader_id(self.layer, node).starts_with("ND_constant_") => {
+                match constant(self.layer, node, "value").and_then(|attribute| typed(attribute, kind)) {
+                    Some(value) => return (Some(value), None),
+                    None => format!("expected {} from a constant, found another value; not read", kind.expectation()),
+                }
+            }
             Ok(Some(Source::Output(node, output))) => match image(self.layer, node, output, kind, &mut self.notes) {
                 Ok(found) => return (None, Some(found)),
                 Err(fault) => fault,

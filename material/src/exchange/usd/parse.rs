@@ -31,8 +31,9 @@ pub fn parse(text: &str) -> Result<Layer<'_>, UsdError> {
     };
     parser.advance()?;
     if parser.token == Token::Mark(b'(') {
+        let line = parser.line;
         let metadata = parser.metadata()?;
-        parser.tell_of_arcs("the layer", &metadata);
+        parser.tell_of_arcs(line, None, &metadata);
         parser.layer.prims[0].metadata = metadata;
     }
     while parser.statement()? {}
@@ -94,14 +95,17 @@ impl<'a> Parser<'a> {
         Ok(std::mem::replace(&mut self.token, next))
     }
 
+    /// The error of a token that stands in another's place.
     pub fn expected<T>(&self, what: &str) -> Result<T, UsdError> {
         Err(UsdError::Syntax { line: self.line, message: format!("expected {what}, found {}", self.token.shown()) })
     }
 
+    /// The error of a limit that was passed.
     pub fn too_much<T>(&self, what: String) -> Result<T, UsdError> {
         Err(UsdError::TooMuch { line: self.line, what })
     }
 
+    /// Takes this bracket or separator.
     pub fn mark(&mut self, mark: u8) -> Result<(), UsdError> {
         if self.token != Token::Mark(mark) {
             return self.expected(&format!("`{}`", char::from(mark)));
@@ -109,6 +113,7 @@ impl<'a> Parser<'a> {
         self.advance().map(|_| ())
     }
 
+    /// Takes this bracket or separator if it is there.
     pub fn take_mark(&mut self, mark: u8) -> Result<bool, UsdError> {
         let is_there = self.token == Token::Mark(mark);
         if is_there {
@@ -117,6 +122,7 @@ impl<'a> Parser<'a> {
         Ok(is_there)
     }
 
+    /// Takes a word.
     pub fn word(&mut self, what: &str) -> Result<&'a str, UsdError> {
         match self.token {
             Token::Word(word) => self.advance().map(|_| word),
@@ -124,6 +130,7 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// Takes a quoted text.
     pub fn text(&mut self, what: &str) -> Result<Cow<'a, str>, UsdError> {
         match self.token.clone() {
             Token::Text(text) => self.advance().map(|_| text),
@@ -180,15 +187,11 @@ impl<'a> Parser<'a> {
                     return self.too_much(format!("{MAX_VARIANT_SETS} sets of variants"));
                 }
                 let selection = entry(&self.layer.prim(prim).metadata, "variants").and_then(Value::entries);
-                let selected =
-                    selection.and_then(|entries| entry(entries, &name)).and_then(|value| value.texts().first()).cloned();
+                let selected = selection.and_then(|entries| entry(entries, &name)).and_then(|value| value.texts().first());
+                let selected = selected.filter(|name| name.len() <= MAX_NAME_BYTES).cloned();
                 if selected.is_none() {
-                    let path = self.layer.path(prim);
-                    self.layer.note(format!(
-                        "line {}: <{path}>: no variant of `{}` is selected; none is read",
-                        self.line,
-                        short(&name)
-                    ));
+                    let what = format!("no variant of `{}` is selected; none is read", short(&name));
+                    self.layer.note(self.line, Some(prim), &what);
                 }
                 self.push(Frame::VariantSet(prim, selected))?;
             }
@@ -217,9 +220,7 @@ impl<'a> Parser<'a> {
             Some(id) => id,
             None => self.add_prim(parent, name.clone())?,
         };
-        if !metadata.is_empty() {
-            self.tell_of_arcs(&format!("line {line}: <{}>", self.layer.path(id)), &metadata);
-        }
+        self.tell_of_arcs(line, Some(id), &metadata);
         let is_active = entry(&metadata, "active").and_then(Value::number) != Some(0.0);
         let prim = &mut self.layer.prims[id as usize];
         if prim.type_name.is_empty() {
@@ -244,12 +245,11 @@ impl<'a> Parser<'a> {
         Ok(id)
     }
 
-    fn tell_of_arcs(&mut self, place: &str, metadata: &Entries<'a>) {
-        for (key, value) in metadata.iter().filter(|(key, _)| ARCS.contains(&key.as_ref())) {
-            if !matches!(value, Value::None) {
-                let named = value.text().map(|text| format!(" `{}`", short(text))).unwrap_or_default();
-                self.layer.note(format!("{place}: {key}{named}: not followed; export the scene flattened to have all of it"));
-            }
+    fn tell_of_arcs(&mut self, line: usize, prim: Option<PrimId>, metadata: &Entries<'a>) {
+        for (key, value) in metadata.iter().filter(|(key, value)| ARCS.contains(&key.as_ref()) && *value != Value::None) {
+            let named = value.text().map(|text| format!(" `{}`", short(text))).unwrap_or_default();
+            let what = format!("{key}{named}: not followed; export the scene flattened to have all of it");
+            self.layer.note(line, prim, &what);
         }
     }
 
@@ -288,8 +288,7 @@ impl<'a> Parser<'a> {
         }
         let metadata = if self.token == Token::Mark(b'(') { self.metadata()? } else { Vec::new() };
         if value.as_ref().is_some_and(|value| !value.is_finite()) {
-            let path = self.layer.path(prim);
-            self.layer.note(format!("line {line}: <{path}.{name}>: expected finite numbers, found others; not read"));
+            self.layer.note(line, Some(prim), &format!("{name}: expected finite numbers, found others; not read"));
             value = None;
         }
         if is_deleted {

@@ -8,6 +8,7 @@ use super::lex::Token;
 use super::parse::{OPERATIONS, Parser};
 
 impl<'a> Parser<'a> {
+    /// Where a connection or relationship leads: one path, a list of them, or none.
     pub fn targets(&mut self) -> Result<Vec<&'a str>, UsdError> {
         let mut targets = Vec::new();
         if self.token == Token::Word("None") {
@@ -73,7 +74,7 @@ impl<'a> Parser<'a> {
             let value = self.value(0)?;
             self.skip_time_offset()?;
             if !value.is_finite() {
-                self.layer.note(format!("line {line}: {key}: expected finite numbers, found others; not read"));
+                self.layer.note(line, None, &format!("{key}: expected finite numbers, found others; not read"));
             } else if !is_deleted {
                 entries.push((Cow::Borrowed(key), value));
             }
@@ -83,6 +84,7 @@ impl<'a> Parser<'a> {
         Ok(entries)
     }
 
+    /// A value of any kind, `depth` dictionaries deep.
     pub fn value(&mut self, depth: usize) -> Result<Value<'a>, UsdError> {
         match self.token {
             Token::Mark(b'[') => self.list(),

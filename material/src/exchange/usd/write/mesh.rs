@@ -52,9 +52,11 @@ pub(super) fn write(text: &mut Text, mesh: &MeshArrays, materials: &[String], me
     vertex_data(text, "normal3f[] normals", mesh.normals, mesh.positions.len());
     vertex_data(text, "texCoord2f[] primvars:st", mesh.uvs, mesh.positions.len());
     vertex_data(text, "float4[] primvars:tangents", mesh.tangents, mesh.positions.len());
-    if let [(material, _)] = parts.as_slice() {
+    if let [(material, triangles)] = parts.as_slice()
+        && triangles.len() == mesh.triangles.len()
+    {
         text.line(&format!("rel material:binding = <{material}>"));
-    } else if parts.len() > 1 {
+    } else if !parts.is_empty() {
         text.line("uniform token subsetFamily:materialBind:familyType = \"nonOverlapping\"");
         for (place, (material, triangles)) in parts.into_iter().enumerate() {
             text.line("");
