@@ -116,6 +116,7 @@ fn what_the_mapping_calls_exact_is_found_exact() {
             "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color specular_ior dispersion scatter \
               coat coat_color coat_roughness coat_ior coat_specular_level volume_thickness_scale",
         ),
+        ("usd_preview_surface", "base_color roughness metallic specular_ior coat coat_roughness ambient_occlusion"),
     ];
     let mut material = Material::named("off");
     for (property, value) in [

@@ -16,5 +16,6 @@ pub mod model;
 pub mod models;
 pub mod native;
 pub mod texture;
+pub mod usd;
 
 pub use model::{MODELS, ShadingModel};

@@ -45,7 +45,7 @@ pub struct ShadingModel {
 }
 
 /// Every shading model that something is translated to or from.
-pub const MODELS: &[&ShadingModel] = &[&models::open_pbr::MODEL, &models::gltf::MODEL];
+pub const MODELS: &[&ShadingModel] = &[&models::open_pbr::MODEL, &models::gltf::MODEL, &models::usd_preview::MODEL];
 
 /// What a material becomes in a shading model.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,3 +2,4 @@
 
 pub mod gltf;
 pub mod open_pbr;
+pub mod usd_preview;
