@@ -135,11 +135,24 @@ fn a_copy_that_is_wrong_costs_notes_and_no_values() {
 /// Properties whose number a model keeps, for a material with every property off its default.
 #[test]
 fn what_the_mapping_calls_exact_is_found_exact() {
-    let kept = [(
-        "open_pbr_surface",
-        "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency \
-          specular_ior dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness height_scale",
-    )];
+    let kept = [
+        (
+            "open_pbr_surface",
+            "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency \
+             specular_ior dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness \
+             height_scale sheen_color normal coat_normal",
+        ),
+        (
+            "standard_surface",
+            "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency specular_ior \
+             dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness height_scale \
+             sheen_color normal coat_normal",
+        ),
+        (
+            "disney_principled",
+            "roughness metallic anisotropy specular_level specular_ior translucency scatter coat coat_roughness",
+        ),
+    ];
     let mut material = Material::named("off");
     for (property, value) in [
         (Property::roughness, 0.37),
@@ -156,6 +169,7 @@ fn what_the_mapping_calls_exact_is_found_exact() {
         (Property::coat_roughness, 0.05),
         (Property::coat_ior, 1.7),
         (Property::height_scale, 0.125),
+        (Property::specular_level, 0.4),
     ] {
         material.set(property, Value::Float(value));
     }

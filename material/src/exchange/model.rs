@@ -45,7 +45,8 @@ pub struct ShadingModel {
 }
 
 /// Every shading model that something is translated to or from.
-pub const MODELS: &[&ShadingModel] = &[&models::open_pbr::MODEL];
+pub const MODELS: &[&ShadingModel] =
+    &[&models::open_pbr::MODEL, &models::standard_surface::MODEL, &models::disney_principled::MODEL];
 
 /// What a material becomes in a shading model.
 #[derive(Clone, Debug, PartialEq)]

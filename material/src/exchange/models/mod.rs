@@ -1,3 +1,6 @@
 //! The shading models, one file each.
 
+pub mod disney_principled;
+mod fates;
 pub mod open_pbr;
+pub mod standard_surface;
