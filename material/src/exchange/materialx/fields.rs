@@ -13,6 +13,8 @@ use crate::value::{Kind, Value};
 /// Parameters whose name ends so are settings of the node in front of the input before it.
 const SCALE: &str = ".scale";
 const DISPLACEMENT: &str = "displacement";
+/// Value of a parameter that follows an image, for formulas that ask whether there is any of it.
+const MIDDLE: f64 = 0.5;
 
 /// Reads a surface, and the displacement that the material has beside it.
 pub fn read(walk: &mut Walk, shader: Id, displacement: Option<Id>, model: &ShadingModel) -> Fields {
@@ -68,7 +70,7 @@ fn read_parameter(walk: &mut Walk, input: Id, shader: Id, def: &FieldDef) -> Res
                 Some(turns) => constant(Value::Float(turns)),
                 None => {
                     let parts = super::numbers::Parts::of(&[turns]).ok_or_else(String::new)?;
-                    textured(walk, input, binding(walk, &parts, Kind::Float), def.default)
+                    textured(walk, input, binding(walk, &parts, Kind::Float), Value::Float(MIDDLE))
                 }
             },
             Some(term) => Err(reason(walk, input, &term, Kind::Normal)),
@@ -121,8 +123,8 @@ pub fn read_input(walk: &mut Walk, input: Id, kind: Kind) -> Result<Field, Strin
         (Kind::Float, Some([x])) => Value::Float(*x),
         (Kind::Bool, Some([x])) => Value::Bool(*x != 0.0),
         _ => {
-            let default = if kind == Kind::Color { Value::Color([0.0; 3]) } else { Value::Float(0.0) };
-            return textured(walk, input, binding(walk, &parts, kind), default);
+            let middle = if kind == Kind::Color { Value::Color([MIDDLE; 3]) } else { Value::Float(MIDDLE) };
+            return textured(walk, input, binding(walk, &parts, kind), middle);
         }
     };
     Ok(Field { value, texture: None, is_authored: true })

@@ -121,6 +121,7 @@ pub struct Found {
 
 /// Reads the native copy that a node holds. None, with a note, where it is of another version.
 pub fn read(walk: &mut Walk, node: Id, version: Option<&str>, model: Option<&ShadingModel>) -> Option<Found> {
+    let is_recorded = walk.graph.tree.attribute(node, RECORD).is_some();
     let mut json = record(walk, node);
     let version = walk.graph.tree.attribute(node, "version").or(version).unwrap_or(ASM_VERSION).to_owned();
     json.insert("version".to_owned(), json!(version));
@@ -155,7 +156,11 @@ pub fn read(walk: &mut Walk, node: Id, version: Option<&str>, model: Option<&Sha
     let mut native = native::read(&Json::Object(json), table, &mut walk.notes)?;
     for def in PROPERTIES {
         let found = images.iter().find(|(property, _)| *property == def.id).map(|(_, found)| found.clone());
-        settle(native.material.slot_mut(def.id), def.id, found, &files, &mut walk.notes);
+        let mut changes = Notes::new();
+        settle(native.material.slot_mut(def.id), def.id, found, &files, &mut changes);
+        if is_recorded {
+            walk.notes.append(&mut changes);
+        }
     }
     Some(Found { native, broken })
 }

@@ -6,7 +6,7 @@ use super::definition::NODE;
 use super::graph::{Graph, Link};
 use super::surfaces::{SURFACES, model_of};
 use super::walk::{Walk, shortened};
-use super::write::written_fields;
+use super::write::expected;
 use super::xml::{Id, ROOT, ReadError, Tree};
 use super::{fields, foreign, native_copy};
 use crate::exchange::field::Fields;
@@ -156,7 +156,16 @@ fn read_material(walk: &mut Walk, material: Id, shader: Option<Id>, copy: Option
 fn merged(model: &'static ShadingModel, found: native_copy::Found, said: &Fields, notes: &mut Notes) -> Material {
     let native_copy::Found { native, broken } = found;
     let context = Context::of(&native.material);
-    let translation = native.translation.unwrap_or_else(|| written_fields(model, &native.material));
+    let translation = native.translation.unwrap_or_else(|| {
+        // Without a record, what the surface leaves out was not changed, and neither are images that only the writer can name.
+        let (mut fields, computed) = expected(model, &native.material);
+        for (place, (field, said)) in fields.0.iter_mut().zip(&said.0).enumerate() {
+            if !said.is_authored || (said.texture.is_some() && computed.contains(&place)) {
+                field.clone_from(said);
+            }
+        }
+        fields
+    });
     let native = Native { material: native.material, translation: Some(translation) };
     let mut material = merge(model, &native, said, &context, notes);
     if !broken.is_empty() {

@@ -255,10 +255,12 @@ fn translated(
     (fields, planned, translation.rows)
 }
 
-/// What a reader finds of a material's translation, with its images where the material has them.
-pub(super) fn written_fields(model: &'static ShadingModel, material: &Material) -> Fields {
+/// What a reader finds of a material's translation, and the parameters whose images had to be computed under names that nobody knows.
+pub(super) fn expected(model: &'static ShadingModel, material: &Material) -> (Fields, Vec<usize>) {
     let options = WriteOptions { surface: model, ..WriteOptions::default() };
-    translated(material, &material.name, &options, &mut Notes::new()).0.found
+    let (fields, planned, _) = translated(material, &material.name, &options, &mut Notes::new());
+    let computed = planned.iter().flat_map(|plan| &plan.channels).map(|(field, _)| *field).collect();
+    (fields.found, computed)
 }
 
 /// A value as a reader finds it.
