@@ -11,6 +11,7 @@ pub mod formulas;
 pub mod gltf;
 pub mod interpreting;
 pub mod loss;
+pub mod materialx;
 pub mod merge;
 pub mod model;
 pub mod models;
