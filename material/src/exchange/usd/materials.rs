@@ -35,7 +35,7 @@ pub struct FoundMaterial {
     pub material: Material,
     /// What the shader that was read says that it is, such as `UsdPreviewSurface`; empty where there was none.
     pub network: String,
-    /// Whether it is a native copy, equal to what was exported.
+    /// Whether it comes from a native copy: equal to what was exported, but for what the notes tell of.
     pub is_native: bool,
     /// Paths of images in the material with their places beside the layer, where these differ.
     pub files: Vec<(String, String)>,
