@@ -92,12 +92,12 @@ pub fn keep(walk: &mut Walk, shader: Id, surface: &str, material: &mut Material)
             Some(Term::Numbers(parts)) if parts.count == foreign.default.len() => match parts.as_constants() {
                 Some(values) => values,
                 None => {
-                    walk.notes.push(format!("{}: ASM has no place for it, and an image in it cannot be kept", foreign.name));
+                    walk.note(format!("{}: ASM has no place for it, and an image in it cannot be kept", foreign.name));
                     continue;
                 }
             },
             Some(_) => {
-                walk.notes.push(format!("{}: expected a constant {}; not kept", foreign.name, foreign.kind));
+                walk.note(format!("{}: expected a constant {}; not kept", foreign.name, foreign.kind));
                 continue;
             }
         };
@@ -113,7 +113,7 @@ pub fn keep(walk: &mut Walk, shader: Id, surface: &str, material: &mut Material)
         if entries.get(&key).and_then(|text| read(text)).is_some_and(|(kept, _)| kept == values) {
             continue;
         }
-        walk.notes.push(format!("{}: ASM has no place for it; kept for the way back to MaterialX", foreign.name));
+        walk.note(format!("{}: ASM has no place for it; kept for the way back to MaterialX", foreign.name));
         let entry = json!({ "value": values, "beside": beside(material, foreign.beside) });
         material.foreign.entry(FORMAT.to_owned()).or_default().insert(key, entry.to_string());
     }
