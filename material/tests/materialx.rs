@@ -104,7 +104,7 @@ fn material() -> impl Strategy<Value = Material> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 80, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn a_document_gives_back_every_bit(material in material()) {

@@ -287,7 +287,7 @@ fn through(parts: &[Part], mut texture: TextureRef) -> Result<TextureRef, &'stat
             }
         };
         (texture.scale, texture.bias) = ([factor; 3], [part.bias; 3]);
-        return Ok(texture);
+        return Ok(without_curve(texture));
     }
     let places: Vec<Option<usize>> = parts.iter().map(single).collect::<Result<_, _>>()?;
     let is_rgb = places.iter().enumerate().all(|(k, place)| place.is_none_or(|place| place == k));
@@ -303,7 +303,13 @@ fn through(parts: &[Part], mut texture: TextureRef) -> Result<TextureRef, &'stat
         texture.scale[k] = places[k].map_or(0.0, |place| part.weights[place]);
         texture.bias[k] = part.bias;
     }
-    Ok(texture)
+    Ok(without_curve(texture))
+}
+
+/// Alpha is never stored by a curve.
+fn without_curve(texture: TextureRef) -> TextureRef {
+    let color_space = if texture.channel == Channel::A { ColorSpace::Linear } else { texture.color_space };
+    TextureRef { color_space, ..texture }
 }
 
 /// The binding that a reader finds after this one was written for a parameter of this kind; none where nothing of the image is left.

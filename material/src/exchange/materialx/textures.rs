@@ -1,5 +1,8 @@
 //! Images of a material as a graph: each image and each placement once, channels, factors and offsets, normal maps, and an output for each
 //! parameter that follows one.
+//!
+//! A number that follows all three channels of an image reads red alone: such images are grey, and programs load them with one channel or
+//! with three.
 
 use std::collections::HashMap;
 
