@@ -165,7 +165,7 @@ pub fn tell_unknown(walk: &Walk, shader: Id, surface: &str, is_known: impl Fn(&s
     for input in walk.graph.inputs(shader).take(256) {
         let name = walk.graph.tree.attribute(input, "name").unwrap_or_default();
         if !is_known(name) && !is_foreign(surface, name) {
-            notes.push(format!("{}: <{surface}> has no input that a material can take from it", walk.graph.path(input)));
+            notes.push(format!("{}: nothing in ASM means this input of <{surface}>; not taken", walk.graph.path(input)));
         }
     }
 }

@@ -160,7 +160,7 @@ fn coordinates(walk: &mut Walk, node: Id, tag: &str) -> Result<[Part; 2], Term> 
             let pivot = walk.constants(node, "pivot", [0.0, 1.0])?;
             let (scale, [rotate]) = (walk.constants(node, "scale", [1.0; 2])?, walk.constants(node, "rotate", [0.0])?);
             let [x, y] = walk.constants(node, "offset", [0.0; 2])?;
-            let order = if tag == "gltf_image" { walk.constants(node, "operationorder", [0.0])? } else { [0.0] };
+            let order = if tag == "gltf_colorimage" { [0.0] } else { walk.constants(node, "operationorder", [0.0])? };
             placed(&before, pivot, scale.map(|s| 1.0 / s), -rotate, [-x, y], order[0] == 0.0)
                 .map(|parts| [parts.at(0), parts.at(1)])
         }

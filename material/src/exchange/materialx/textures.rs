@@ -40,11 +40,6 @@ impl TextureGraph {
         Self { name, xml: Xml::inside(2), nodes: 0, known: HashMap::new(), outputs: Vec::new() }
     }
 
-    /// Its name.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     /// Writes the graph, unless nothing is in it.
     pub fn write(self, xml: &mut Xml) {
         if self.outputs.is_empty() {
