@@ -14,6 +14,11 @@ pub const NODE: &str = "adobe_standard_material";
 /// Its graph; the formulas are those of the shading model OpenPBR.
 const IMPLEMENTATION: &str = include_str!("implementation.xml");
 
+/// Names of the definition and of the graph that implements it.
+pub fn names() -> [String; 2] {
+    ["ND", "NG"].map(|prefix| format!("{prefix}_{NODE}_surfaceshader"))
+}
+
 /// MaterialX's type of a property.
 pub fn type_of(kind: Kind) -> &'static str {
     match kind {
@@ -34,7 +39,7 @@ pub fn value_text(value: Value) -> String {
 
 /// Writes the definition and the implementation.
 pub fn write(xml: &mut Xml) {
-    let name = format!("ND_{NODE}_surfaceshader");
+    let [name, _] = names();
     let attributes =
         [("name", name.as_str()), ("node", NODE), ("nodegroup", "pbr"), ("version", ASM_VERSION), ("isdefaultversion", "true")];
     xml.open("nodedef", &attributes);

@@ -37,7 +37,7 @@ pub fn read(walk: &mut Walk, shader: Id, displacement: Option<Id>, model: &Shadi
         match read_parameter(walk, input, shader, def) {
             Ok(found) => *field = found,
             Err(note) if note.is_empty() => {}
-            Err(note) => walk.notes.push(format!("{note}; the default is taken")),
+            Err(note) => walk.note(format!("{note}; the default is taken")),
         }
     }
     fields

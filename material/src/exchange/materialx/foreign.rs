@@ -92,12 +92,12 @@ pub fn keep(walk: &mut Walk, shader: Id, surface: &str, material: &mut Material)
             Some(Term::Numbers(parts)) if parts.count == foreign.default.len() => match parts.as_constants() {
                 Some(values) => values,
                 None => {
-                    walk.notes.push(format!("{}: ASM has no place for it, and an image in it cannot be kept", foreign.name));
+                    walk.note(format!("{}: ASM has no place for it, and an image in it cannot be kept", foreign.name));
                     continue;
                 }
             },
             Some(_) => {
-                walk.notes.push(format!("{}: expected a constant {}; not kept", foreign.name, foreign.kind));
+                walk.note(format!("{}: expected a constant {}; not kept", foreign.name, foreign.kind));
                 continue;
             }
         };
@@ -113,7 +113,7 @@ pub fn keep(walk: &mut Walk, shader: Id, surface: &str, material: &mut Material)
         if entries.get(&key).and_then(|text| read(text)).is_some_and(|(kept, _)| kept == values) {
             continue;
         }
-        walk.notes.push(format!("{}: ASM has no place for it; kept for the way back to MaterialX", foreign.name));
+        walk.note(format!("{}: ASM has no place for it; kept for the way back to MaterialX", foreign.name));
         let entry = json!({ "value": values, "beside": beside(material, foreign.beside) });
         material.foreign.entry(FORMAT.to_owned()).or_default().insert(key, entry.to_string());
     }
@@ -165,7 +165,7 @@ pub fn tell_unknown(walk: &Walk, shader: Id, surface: &str, is_known: impl Fn(&s
     for input in walk.graph.inputs(shader).take(256) {
         let name = walk.graph.tree.attribute(input, "name").unwrap_or_default();
         if !is_known(name) && !is_foreign(surface, name) {
-            notes.push(format!("{}: <{surface}> has no input that a material can take from it", walk.graph.path(input)));
+            notes.push(format!("{}: nothing in ASM means this input of <{surface}>; not taken", walk.graph.path(input)));
         }
     }
 }

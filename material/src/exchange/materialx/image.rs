@@ -30,11 +30,11 @@ pub fn read(walk: &mut Walk, node: Id, count: usize) -> Result<Term, Term> {
     }
     if let Some(reason) = refusal(&path) {
         let name = walk.graph.path(node);
-        walk.note_once(format!("{name}: the image `{}` {reason}; not taken", shortened(&path)));
+        walk.note(format!("{name}: the image `{}` {reason}; not taken", shortened(&path)));
         return Err(Term::Unknown(node, "names an image that is refused"));
     }
     if path.contains('<') {
-        walk.note_once(format!("`{}`: tiles and other tokens in names of images are not replaced", shortened(&path)));
+        walk.note(format!("`{}`: tiles and other tokens in names of images are not replaced", shortened(&path)));
     }
     let space = color_space(walk, node, at);
     let wrap = wrap(walk, node, tag);
@@ -92,7 +92,7 @@ fn color_space(walk: &mut Walk, node: Id, file: Id) -> ColorSpace {
             if !is_color {
                 let note =
                     format!("{}: numbers in an image of the space `{}`; read as the file says", walk.graph.path(node), name);
-                walk.note_once(note);
+                walk.note(note);
             }
             ColorSpace::Srgb
         }
@@ -103,7 +103,7 @@ fn color_space(walk: &mut Walk, node: Id, file: Id) -> ColorSpace {
                 walk.graph.path(node),
                 shortened(name)
             );
-            walk.note_once(note);
+            walk.note(note);
             ColorSpace::Linear
         }
     }
@@ -118,13 +118,13 @@ fn wrap(walk: &mut Walk, node: Id, tag: &str) -> Wrap {
     };
     let [u, v] = names.map(|name| walk.text(node, name).0);
     if u != v {
-        walk.note_once(format!("{}: outside of the image, u and v differ; as u in both", walk.graph.path(node)));
+        walk.note(format!("{}: outside of the image, u and v differ; as u in both", walk.graph.path(node)));
     }
     match u {
         "clamp" => Wrap::Clamp,
         "mirror" => Wrap::Mirror,
         "constant" | "black" => {
-            walk.note_once(format!("{}: a colour of its own outside of the image became its border", walk.graph.path(node)));
+            walk.note(format!("{}: a colour of its own outside of the image became its border", walk.graph.path(node)));
             Wrap::Clamp
         }
         _ => Wrap::Repeat,
@@ -138,7 +138,7 @@ fn coordinates(walk: &mut Walk, node: Id, tag: &str) -> Result<[Part; 2], Term> 
     let before = match walk.input(node, name) {
         Some(Term::Numbers(parts)) => *parts,
         Some(_) => {
-            walk.note_once(format!("{}: its coordinates are computed; taken as they are", walk.graph.path(node)));
+            walk.note(format!("{}: its coordinates are computed; taken as they are", walk.graph.path(node)));
             Parts::of(&own).ok_or(Term::Unknown(node, "has no coordinates"))?
         }
         None => Parts::of(&own).ok_or(Term::Unknown(node, "has no coordinates"))?,
@@ -160,7 +160,7 @@ fn coordinates(walk: &mut Walk, node: Id, tag: &str) -> Result<[Part; 2], Term> 
             let pivot = walk.constants(node, "pivot", [0.0, 1.0])?;
             let (scale, [rotate]) = (walk.constants(node, "scale", [1.0; 2])?, walk.constants(node, "rotate", [0.0])?);
             let [x, y] = walk.constants(node, "offset", [0.0; 2])?;
-            let order = if tag == "gltf_image" { walk.constants(node, "operationorder", [0.0])? } else { [0.0] };
+            let order = if tag == "gltf_colorimage" { [0.0] } else { walk.constants(node, "operationorder", [0.0])? };
             placed(&before, pivot, scale.map(|s| 1.0 / s), -rotate, [-x, y], order[0] == 0.0)
                 .map(|parts| [parts.at(0), parts.at(1)])
         }
@@ -168,7 +168,7 @@ fn coordinates(walk: &mut Walk, node: Id, tag: &str) -> Result<[Part; 2], Term> 
     };
     let placed = placed.ok_or(unknown)?;
     if placed.iter().any(|part| part.source.is_some_and(|source| source != COORDINATES)) {
-        walk.note_once(format!("{}: its coordinates come from an image; taken as they are", walk.graph.path(node)));
+        walk.note(format!("{}: its coordinates come from an image; taken as they are", walk.graph.path(node)));
         return Ok(own);
     }
     Ok(placed)
@@ -287,7 +287,7 @@ fn through(parts: &[Part], mut texture: TextureRef) -> Result<TextureRef, &'stat
             }
         };
         (texture.scale, texture.bias) = ([factor; 3], [part.bias; 3]);
-        return Ok(texture);
+        return Ok(without_curve(texture));
     }
     let places: Vec<Option<usize>> = parts.iter().map(single).collect::<Result<_, _>>()?;
     let is_rgb = places.iter().enumerate().all(|(k, place)| place.is_none_or(|place| place == k));
@@ -303,7 +303,13 @@ fn through(parts: &[Part], mut texture: TextureRef) -> Result<TextureRef, &'stat
         texture.scale[k] = places[k].map_or(0.0, |place| part.weights[place]);
         texture.bias[k] = part.bias;
     }
-    Ok(texture)
+    Ok(without_curve(texture))
+}
+
+/// Alpha is never stored by a curve.
+fn without_curve(texture: TextureRef) -> TextureRef {
+    let color_space = if texture.channel == Channel::A { ColorSpace::Linear } else { texture.color_space };
+    TextureRef { color_space, ..texture }
 }
 
 /// The binding that a reader finds after this one was written for a parameter of this kind; none where nothing of the image is left.

@@ -135,7 +135,7 @@ pub fn read(walk: &mut Walk, node: Id, version: Option<&str>, model: Option<&Sha
         let name = walk.graph.tree.attribute(input, "name").unwrap_or_default();
         let Some(property) = property_of(name) else {
             let note = format!("{}: no property of ASM {ASM_VERSION}; not read", walk.graph.path(input));
-            walk.notes.push(note);
+            walk.note(note);
             continue;
         };
         let (name, kind) = (property.def().name, property.def().default.kind());
@@ -172,7 +172,7 @@ fn record(walk: &mut Walk, node: Id) -> Map<String, Json> {
         Some(Json::Object(all)) => all,
         _ => {
             let note = format!("{}: expected JSON of at most {MAX_RECORD} bytes in `{RECORD}`; not read", walk.graph.path(node));
-            walk.notes.push(note);
+            walk.note(note);
             Map::new()
         }
     }
@@ -187,8 +187,7 @@ fn property_of(name: &str) -> Option<Property> {
 /// What an input of the node says.
 fn read_input(walk: &mut Walk, input: Id, kind: Kind) -> Result<Field, ()> {
     let tree = walk.graph.tree;
-    let field =
-        fields::read_input(walk, input, kind).map_err(|note| walk.notes.push(format!("{note}; the translation decides")))?;
+    let field = fields::read_input(walk, input, kind).map_err(|note| walk.note(format!("{note}; the translation decides")))?;
     let (Some(text), Some(wide)) = (tree.attribute(input, "value"), tree.attribute(input, WIDE)) else { return Ok(field) };
     let count = field.value.numbers().len();
     let (Some(narrow), Some(wide)) = (numbers::parse(text, count), numbers::parse(wide, count)) else {
@@ -198,7 +197,7 @@ fn read_input(walk: &mut Walk, input: Id, kind: Kind) -> Result<Field, ()> {
             kind.expectation(),
             shortened(wide)
         );
-        walk.notes.push(note);
+        walk.note(note);
         return Ok(field);
     };
     // Somebody who changes the input leaves the attribute behind.

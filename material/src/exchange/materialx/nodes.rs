@@ -115,13 +115,13 @@ fn fold(walk: &mut Walk, node: Id) -> Folded {
         }
         "geompropvalue" | "geomcolor" | "UsdPrimvarReader" if kind != "vector2" => {
             let name = if tag == "UsdPrimvarReader" { "fallback" } else { "default" };
-            walk.note_once(format!("{}: meshes bring no such values; its default is taken", walk.graph.path(node)));
+            walk.note(format!("{}: meshes bring no such values; its default is taken", walk.graph.path(node)));
             walk.input(node, name).ok_or(Term::Unknown(node, "reads values of the mesh"))
         }
         "texcoord" | "geompropvalue" | "UsdPrimvarReader" => {
             let [index] = walk.constants(node, "index", [0.0])?;
             if index != 0.0 {
-                walk.note_once(format!("{}: only the first set of coordinates is known; it is taken", walk.graph.path(node)));
+                walk.note(format!("{}: only the first set of coordinates is known; it is taken", walk.graph.path(node)));
             }
             whole(Parts::of(&[Part::channel(COORDINATES, 0), Part::channel(COORDINATES, 1)]))
         }
@@ -222,7 +222,7 @@ fn normal_map(walk: &mut Walk, node: Id) -> Folded {
     }
     let [x, y] = walk.constants(node, "scale", [1.0, 1.0])?;
     if x != y {
-        walk.note_once(format!("{}: the strengths of x and y differ; that of x is taken", walk.graph.path(node)));
+        walk.note(format!("{}: the strengths of x and y differ; that of x is taken", walk.graph.path(node)));
     }
     let image = walk.input(node, "in");
     normal_of(walk, node, image, x)
@@ -233,7 +233,7 @@ fn normal_of(walk: &mut Walk, node: Id, stored: Option<Term>, scale: f64) -> Fol
     match stored {
         None => Ok(Term::Normal(Normal { scale, ..Normal::FLAT })),
         Some(Term::Numbers(parts)) => unpacked(&parts, 0.5, 0.5, scale).map(Term::Normal).ok_or_else(|| {
-            walk.note_once(format!("{}: the image of the normal is changed on the way", walk.graph.path(node)));
+            walk.note(format!("{}: the image of the normal is changed on the way", walk.graph.path(node)));
             Term::Unknown(node, NOT_LINEAR)
         }),
         Some(Term::Unknown(at, why)) => Err(Term::Unknown(at, why)),

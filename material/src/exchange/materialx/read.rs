@@ -184,11 +184,7 @@ fn displacement_of(walk: &mut Walk, material: Id) -> Option<Id> {
     if graph.tree.tag(node) == "displacement" {
         return Some(node);
     }
-    walk.notes.push(format!(
-        "{}: <{}> is no displacement that a material can hold; not taken",
-        graph.path(node),
-        graph.tree.tag(node)
-    ));
+    walk.note(format!("{}: <{}> is no displacement that a material can hold; not taken", graph.path(node), graph.tree.tag(node)));
     None
 }
 

@@ -1,5 +1,8 @@
 //! Images of a material as a graph: each image and each placement once, channels, factors and offsets, normal maps, and an output for each
 //! parameter that follows one.
+//!
+//! A number that follows all three channels of an image reads red alone: such images are grey, and programs load them with one channel or
+//! with three.
 
 use std::collections::HashMap;
 
@@ -35,11 +38,6 @@ impl TextureGraph {
     /// An empty graph of this name.
     pub fn named(name: String) -> Self {
         Self { name, xml: Xml::inside(2), nodes: 0, known: HashMap::new(), outputs: Vec::new() }
-    }
-
-    /// Its name.
-    pub fn name(&self) -> &str {
-        &self.name
     }
 
     /// Writes the graph, unless nothing is in it.

@@ -63,6 +63,9 @@ pub enum Source {
     Image(ImageSource),
 }
 
+/// Most notes that are kept while a material is read.
+const MAX_NOTES: usize = 1000;
+
 /// The coordinates' place among the sources.
 pub const COORDINATES: u32 = 0;
 
@@ -123,7 +126,7 @@ impl<'a> Walk<'a> {
                 self.graph.needs(id, &mut needs);
                 for need in needs.drain(..) {
                     if open.contains(&need) && !self.terms.contains_key(&need) {
-                        self.notes.push(format!("{}: is connected to itself; the circle is cut", self.graph.path(need)));
+                        self.note(format!("{}: is connected to itself; the circle is cut", self.graph.path(need)));
                     } else {
                         stack.push(need);
                     }
@@ -148,7 +151,7 @@ impl<'a> Walk<'a> {
                 Some(select(term, &output))
             }
             Link::Missing(name) => {
-                self.notes.push(format!("{}: nothing has the name `{name}`", self.graph.path(input)));
+                self.note(format!("{}: nothing has the name `{name}`", self.graph.path(input)));
                 self.value(input)
             }
         }
@@ -162,7 +165,7 @@ impl<'a> Walk<'a> {
         let count = numbers::count_of(kind)?;
         let Some(mut all) = numbers::parse(text, count) else {
             let path = self.graph.path(element);
-            self.notes.push(format!("{path}: expected a {kind} of finite numbers, found `{}`", shortened(text)));
+            self.note(format!("{path}: expected a {kind} of finite numbers, found `{}`", shortened(text)));
             return None;
         };
         if matches!(kind, "color3" | "color4")
@@ -177,16 +180,23 @@ impl<'a> Walk<'a> {
                 }
                 None => Some(format!("colour space `{}`: not known, taken as linear Rec.709", shortened(name))),
             };
-            if let Some(note) = note.filter(|note| !self.document_notes.contains(note)) {
-                self.document_notes.push(note);
+            if let Some(note) = note {
+                self.note_of_document(note);
             }
         }
         Parts::constants(&all[..count]).map(|parts| Term::Numbers(Box::new(parts)))
     }
 
-    /// A note that is told once.
-    pub fn note_once(&mut self, note: String) {
-        if !self.notes.contains(&note) {
+    /// Tells something of the whole document once.
+    pub fn note_of_document(&mut self, note: String) {
+        if self.document_notes.len() < MAX_NOTES && !self.document_notes.contains(&note) {
+            self.document_notes.push(note);
+        }
+    }
+
+    /// Tells something once. Who wrote a thousand faults knows by then.
+    pub fn note(&mut self, note: String) {
+        if self.notes.len() < MAX_NOTES && !self.notes.contains(&note) {
             self.notes.push(note);
         }
     }

@@ -97,14 +97,14 @@ fn write_material(xml: &mut Xml, material: &Material, options: &WriteOptions, na
     let name = free_name(&material.name, names);
     let mut notes = Notes::new();
     let material = finite(material, &mut notes);
-    let mut graph = TextureGraph::named(format!("NG_{name}_textures"));
+    let mut graph = TextureGraph::named(graph_name(&name));
     let (fields, images, rows) = translated(&material, &name, options, &mut notes);
     let mut surface = surface_inputs(options.surface.fields, &fields, &mut graph);
     foreign::add(&material, options.surface.name, &mut surface);
     let native = native_copy::write(&material, options, &fields.found, &mut graph, &mut notes);
 
     let displacement = displacement_inputs(options.surface.fields, &fields, &mut graph);
-    let graph_name = graph.name().to_owned();
+    let graph_name = graph_name(&name);
     graph.write(xml);
     let (native_name, surface_name, displacement_name) =
         (format!("{name}_ASM"), format!("{name}_surface"), format!("{name}_displacement"));
@@ -165,11 +165,18 @@ fn free_name(name: &str, names: &mut HashSet<String>) -> String {
         valid.insert_str(0, "Material_");
     }
     let candidates = std::iter::once(valid.clone()).chain((2_usize..).map(|k| format!("{valid}_{k}")));
-    let suffixes = ["", "_native", "_ASM", "_surface", "_displacement"];
-    let is_free = |name: &String| suffixes.iter().all(|suffix| !names.contains(&format!("{name}{suffix}")));
+    let nodes = |name: &str| {
+        let suffixes = ["", "_native", "_ASM", "_surface", "_displacement"];
+        suffixes.map(|suffix| format!("{name}{suffix}")).into_iter().chain([graph_name(name)])
+    };
+    let is_free = |name: &String| !nodes(name).any(|node| names.contains(&node) || definition::names().contains(&node));
     let free = candidates.into_iter().find(is_free).unwrap_or(valid);
-    names.extend(suffixes.map(|suffix| format!("{free}{suffix}")));
+    names.extend(nodes(&free));
     free
+}
+
+fn graph_name(name: &str) -> String {
+    format!("NG_{name}_textures")
 }
 
 /// The material without numbers that are not finite.
