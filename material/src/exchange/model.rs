@@ -120,9 +120,6 @@ impl ShadingModel {
                     textured.push(place);
                 }
             }
-            if def.vary == Vary::Uniform {
-                textured.clear();
-            }
             let value = inputs.value(def.id);
             let mut texture = super::texture::back(def.id, &textured, fields, &values, notes, |v| {
                 (self.interpret)(v, context, &mut Notes::new()).value(def.id)
