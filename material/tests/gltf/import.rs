@@ -157,6 +157,21 @@ fn bodies_are_read_with_their_walls() {
 }
 
 #[test]
+fn anisotropy_over_an_image_of_roughness_is_taken_at_its_half() {
+    let anisotropy = json!({ "anisotropyStrength": 0.5 });
+    let json = with_image(json!({
+        "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": 0 } },
+        "extensions": { "KHR_materials_anisotropy": anisotropy } }));
+    let (material, notes) = only(&json);
+    near(material.float(Property::anisotropy), (0.75_f64 * 0.25).powf(0.25));
+    assert!(material.slot(Property::anisotropy).texture.is_none());
+    assert!(notes[0].contains("anisotropyStrength: depends on the image of roughness"), "{notes:?}");
+    let out = gltf(&material);
+    assert_eq!(out["materials"][0]["extensions"]["KHR_materials_anisotropy"], anisotropy);
+    assert_eq!(only(&out), (material, Vec::new()));
+}
+
+#[test]
 fn a_thin_wall_goes_back_out_thin() {
     let json = of_material(json!({ "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1.0 } } }));
     let (mut material, notes) = only(&json);

@@ -94,7 +94,7 @@ fn transforms_of_images_are_those_of_the_format() {
     let json = parsed(&written(&material, None, &bare()));
     assert_eq!(json["extensionsRequired"], json!(["KHR_texture_transform"]));
     let info = &json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"];
-    near(&info["rotation"], &[0.5235988]);
+    near(&info["rotation"], &[std::f64::consts::FRAC_PI_6]);
     near(&info["scale"], &[2.0, 3.0]);
     near(&info["offset"], &[-1.4, -1.7980762]);
     // The same place as a shift of (.1, .2) means with the origin at the lower left.
