@@ -50,6 +50,11 @@ fn alpha_means_what_its_mode_says() {
     let mut changed = material.clone();
     changed.slot_mut(Property::opacity).texture = None;
     assert!(gltf(&changed)["materials"][0].get("alphaMode").is_none());
+    for (alpha, there) in [(0.4, 1.0), (0.39, 0.0)] {
+        let masked =
+            json!({ "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, alpha] }, "alphaMode": "MASK", "alphaCutoff": 0.4 });
+        assert_eq!(opacity(&of_material(masked)).value, Some(Value::Float(there)));
+    }
     json["materials"][0]["alphaMode"] = json!("DITHER");
     assert!(only(&json).1[0].contains("/materials/0/alphaMode: expected OPAQUE, MASK or BLEND, found the text \"DITHER\""));
 }
