@@ -1,13 +1,13 @@
 //! Every shading model of the interchange: the way there, the way back, and the native copy that makes both exact.
 
-mod random;
+mod common;
 
 use burnish_material::exchange::loss::Fate;
 use burnish_material::exchange::model::{Context, Notes};
 use burnish_material::exchange::{MODELS, merge, native};
 use burnish_material::{Material, PROPERTIES, Property, Value};
+use common::material;
 use proptest::prelude::*;
-use random::material;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
@@ -109,13 +109,25 @@ fn what_the_mapping_calls_exact_is_found_exact() {
         (
             "open_pbr_surface",
             "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency \
-              specular_ior dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness height_scale",
+             specular_ior dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness \
+             height_scale sheen_color normal coat_normal",
+        ),
+        (
+            "standard_surface",
+            "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency specular_ior \
+             dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness height_scale \
+             sheen_color normal coat_normal",
+        ),
+        (
+            "disney_principled",
+            "roughness metallic anisotropy specular_level specular_ior translucency scatter coat coat_roughness",
         ),
         (
             "gltf",
             "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color specular_ior dispersion scatter \
               coat coat_color coat_roughness coat_ior coat_specular_level volume_thickness_scale",
         ),
+        ("usd_preview_surface", "base_color roughness metallic specular_ior coat coat_roughness ambient_occlusion"),
     ];
     let mut material = Material::named("off");
     for (property, value) in [
@@ -133,6 +145,7 @@ fn what_the_mapping_calls_exact_is_found_exact() {
         (Property::coat_roughness, 0.05),
         (Property::coat_ior, 1.7),
         (Property::height_scale, 0.125),
+        (Property::specular_level, 0.4),
     ] {
         material.set(property, Value::Float(value));
     }

@@ -17,7 +17,8 @@ const TOLERANCE: f64 = 1e-5;
 pub fn merge(model: &ShadingModel, native: &Native, file: &Fields, context: &Context, notes: &mut Notes) -> Material {
     let written = native.translation.clone().unwrap_or_else(|| model.translate(&native.material, context).fields);
     let pairs = model.fields.iter().zip(written.0.iter().zip(&file.0));
-    let changed: Vec<_> = pairs.filter(|(_, (old, new))| !is_same(old, new)).collect();
+    // What no property follows is kept or dropped by the format.
+    let changed: Vec<_> = pairs.filter(|(def, (old, new))| !def.to.is_empty() && !is_same(old, new)).collect();
     if changed.is_empty() {
         return native.material.clone();
     }

@@ -11,10 +11,12 @@ pub mod formulas;
 pub mod gltf;
 pub mod interpreting;
 pub mod loss;
+pub mod materialx;
 pub mod merge;
 pub mod model;
 pub mod models;
 pub mod native;
 pub mod texture;
+pub mod usd;
 
 pub use model::{MODELS, ShadingModel};

@@ -158,30 +158,44 @@ pub(super) fn link(
     inputs: &Inputs<f64>,
     value_of: impl Fn(&Inputs<f64>) -> Option<Value>,
 ) -> Link {
-    let with = |property: Property, value: Value| {
+    let with = |inputs: &Inputs<f64>, property: Property, value: Value| {
         let mut changed = *inputs;
         changed.set(property, value);
         value_of(&changed)
     };
+    // What one image does may depend on the value of another: each is asked with the others at their uniform values and at two more.
+    let others_at = |x: f64| {
+        let mut moved = *inputs;
+        for other in textured {
+            let kind = other.def().default.kind();
+            if kind != Kind::Normal {
+                moved.set(*other, same_kind(kind, [x; 3]));
+            }
+        }
+        moved
+    };
+    let settings = [*inputs, others_at(START), others_at(START + STEP)];
+    let settings = if textured.len() > 1 { settings.as_slice() } else { &settings[..1] };
     let mut direct = None;
     for property in textured {
         let kind = property.def().default.kind();
         let Some(image) = &material.slot(*property).texture else { continue };
         if kind == Kind::Normal {
             let tilted = Value::Normal([0.6, 0.0, 0.8]);
-            match with(*property, tilted) {
+            match with(inputs, *property, tilted) {
                 Some(value) if value == tilted && direct.is_none() => direct = Some(image.clone()),
-                Some(value) if Some(value) == with(*property, Value::Normal([0.0, 0.0, 1.0])) => {}
+                Some(value) if Some(value) == with(inputs, *property, Value::Normal([0.0, 0.0, 1.0])) => {}
                 _ => return Link::Computed,
             }
             continue;
         }
-        let Some(line) = Line::of(kind, image, |value| with(*property, value)) else { return Link::Computed };
-        if line.is_constant() {
+        let lines = settings.iter().map(|inputs| Line::of(kind, image, |value| with(inputs, *property, value)));
+        let Some(lines) = lines.collect::<Option<Vec<Line>>>() else { return Link::Computed };
+        if lines.iter().all(Line::is_constant) {
             continue;
         }
-        match line.through(image) {
-            Some(image) if direct.is_none() => direct = Some(image),
+        match lines[0].through(image) {
+            Some(image) if direct.is_none() && lines.iter().all(|line| *line == lines[0]) => direct = Some(image),
             _ => return Link::Computed,
         }
     }
@@ -268,5 +282,16 @@ mod tests {
         assert_eq!(direct(link(&[Property::roughness], &dark, &dark.inputs(), clamped)).0, [1.0; 3]);
         assert!(matches!(linked(Property::base_color, |i| Value::Color([i.base_color[1]; 3])), Link::Computed));
         assert!(matches!(linked(Property::roughness, |i| Value::Float(i.metallic)), Link::Constant));
+    }
+
+    #[test]
+    fn images_that_multiply_need_one_of_their_own() {
+        let mut material = material(Property::specular_level, "l.png");
+        material.slot_mut(Property::metallic).texture = Some(TextureRef::new("m.png"));
+        let textured = [Property::specular_level, Property::metallic];
+        let linked = |f: fn(&Inputs<f64>) -> f64| link(&textured, &material, &material.inputs(), |i| Some(Value::Float(f(i))));
+        // At the uniform values, 0.5 and 0, the metal seems to change nothing.
+        assert!(matches!(linked(|i| 2.0 * i.specular_level * (1.0 - i.metallic) + i.metallic), Link::Computed));
+        assert!(matches!(linked(|i| 2.0 * i.specular_level), Link::Direct(_)));
     }
 }

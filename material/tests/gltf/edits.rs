@@ -71,7 +71,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(20))]
 
     #[test]
-    fn an_edited_number_changes_its_properties_alone_in_any_material(mut material in random::material()) {
+    fn an_edited_number_changes_its_properties_alone_in_any_material(mut material in common::material()) {
         material.unit_mm = Some(1000.0);
         check_edits(&material);
     }

@@ -1,7 +1,8 @@
 //! glTF: what is written comes back, what others wrote is read, and what is broken is refused in one sentence.
 
 #[path = "../random/mod.rs"]
-mod random;
+#[path = "../common/mod.rs"]
+mod common;
 
 mod broken;
 mod edits;

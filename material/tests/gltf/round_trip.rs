@@ -42,12 +42,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn random_materials_come_back_bit_by_bit(material in random::material(), number: u64) {
+    fn random_materials_come_back_bit_by_bit(material in common::material(), number: u64) {
         check_round_trip(&varied(material, number), (number % 2 == 0).then_some(&QUAD));
     }
 
     #[test]
-    fn what_is_called_exact_comes_back_without_the_native_copy(mut material in random::material(), has_mesh: bool) {
+    fn what_is_called_exact_comes_back_without_the_native_copy(mut material in common::material(), has_mesh: bool) {
         for def in PROPERTIES {
             material.slot_mut(def.id).texture = None;
         }

@@ -1,4 +1,4 @@
-//! Materials for tests of the interchange.
+//! Random materials for the tests of the interchange.
 
 use burnish_material::{Kind, Material, PROPERTIES, TextureRef, Value};
 use proptest::prelude::*;
@@ -20,7 +20,7 @@ fn value(def: &'static burnish_material::PropertyDef) -> BoxedStrategy<Option<Va
     prop_oneof![1 => Just(None), 3 => some.prop_map(Some)].boxed()
 }
 
-/// Materials with any values inside of their ranges, and a few images.
+/// Random materials, some of their properties with images.
 pub fn material() -> impl Strategy<Value = Material> {
     let values: Vec<_> = PROPERTIES.iter().map(value).collect();
     let textured = proptest::collection::vec(0..PROPERTIES.len(), 0..4);
