@@ -1,6 +1,5 @@
 //! glTF: what is written comes back, what others wrote is read, and what is broken is refused in one sentence.
 
-#[path = "../random/mod.rs"]
 #[path = "../common/mod.rs"]
 mod common;
 
