@@ -2,7 +2,7 @@
 
 use burnish_material::exchange::gltf::{GltfError, MAX_JSON_VALUES, MAX_MATERIALS, Mesh, Options, read};
 use burnish_material::{Material, Property};
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 use super::{PNG, QUAD, bare, gltf, of_material, only, opened, with_image, written};
 
@@ -42,6 +42,52 @@ fn too_much_is_refused() {
     );
     let commas = ",".repeat(MAX_JSON_VALUES + 1);
     assert!(matches!(read(commas.as_bytes()), Err(GltfError::TooMuch { .. })));
+}
+
+/// Every place in a document, as JSON pointers.
+fn places(json: &Json, place: String, all: &mut Vec<String>) {
+    match json {
+        Json::Array(list) => list.iter().enumerate().for_each(|(k, json)| places(json, format!("{place}/{k}"), all)),
+        Json::Object(entries) => entries.iter().for_each(|(key, json)| places(json, format!("{place}/{key}"), all)),
+        _ => {}
+    }
+    all.push(place);
+}
+
+#[test]
+fn odd_values_anywhere_break_nothing() {
+    let mut material = super::off_default();
+    material.slot_mut(Property::coat).texture = Some(burnish_material::TextureRef::new("coat.png"));
+    let mut whole = gltf(&material);
+    let kept = json!({ "iridescenceTexture": { "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } } });
+    whole["materials"][0]["extensions"]["KHR_materials_iridescence"] = kept;
+    whole["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"] = json!({ "diffuseTexture": { "index": 0 } });
+    let mut all = Vec::new();
+    places(&whole, String::new(), &mut all);
+    let odd = [json!(null), json!(-1), json!(1e300), json!("x"), json!([]), json!({}), json!([{}, 1]), json!(true)];
+    for (k, place) in all.iter().enumerate() {
+        for value in [&odd[k % odd.len()], &odd[(k / odd.len() + 3) % odd.len()]] {
+            let mut json = whole.clone();
+            *json.pointer_mut(place).expect("a place that was just found") = value.clone();
+            let Ok(document) = read(json.to_string().as_bytes()) else { continue };
+            for found in &document.materials {
+                let (material, notes) = found.material();
+                assert!(notes.iter().all(|note| note.len() < 1000), "{notes:?}");
+                // What was read can be written, and is then in order.
+                let again = only(&gltf(&material));
+                assert_eq!(again, (material, Vec::new()), "{place}: {value}");
+            }
+        }
+    }
+}
+
+#[test]
+fn kept_images_from_elsewhere_do_not_go_out() {
+    let mut material = Material::named("M");
+    let entry = r#"{"json":{"aTexture":{"index":{"path":"/etc/passwd"}},"bTexture":{"index":{"path":"b.png"}}},"beside":{}}"#;
+    material.foreign.entry("gltf".to_owned()).or_default().insert("EXT_new".to_owned(), entry.to_owned());
+    let written = written(&material, None, &Options::default());
+    assert_eq!(written.plan.copies.iter().map(|copy| copy.path.as_str()).collect::<Vec<_>>(), ["b.png"]);
 }
 
 #[test]

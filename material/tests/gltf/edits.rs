@@ -7,7 +7,7 @@ use burnish_material::exchange::models::gltf::MODEL;
 use burnish_material::{Material, Property, TextureRef, Value};
 use serde_json::{Value as Json, json};
 
-use super::{gltf, least, most, off_default, only, opened, parsed, common, written};
+use super::{common, gltf, least, most, off_default, only, opened, parsed, written};
 use proptest::prelude::*;
 
 /// Every number in a material's JSON, with its place; the native copy left out.

@@ -31,7 +31,9 @@ fn only_job(written: &Written) -> &Job {
 /// What a job stores where these properties have these values, and all others those of the material.
 fn texel(job: &Job, material: &Material, values: &[(Property, Value)]) -> [f64; 4] {
     let mut inputs = material.inputs();
-    values.iter().for_each(|(property, value)| _ = inputs.set(*property, *value));
+    for (property, value) in values {
+        inputs.set(*property, *value);
+    }
     job.texel(&inputs, &Context::of(material))
 }
 

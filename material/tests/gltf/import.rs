@@ -50,6 +50,11 @@ fn alpha_means_what_its_mode_says() {
     let mut changed = material.clone();
     changed.slot_mut(Property::opacity).texture = None;
     assert!(gltf(&changed)["materials"][0].get("alphaMode").is_none());
+    for (alpha, there) in [(0.4, 1.0), (0.39, 0.0)] {
+        let masked =
+            json!({ "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, alpha] }, "alphaMode": "MASK", "alphaCutoff": 0.4 });
+        assert_eq!(opacity(&of_material(masked)).value, Some(Value::Float(there)));
+    }
     json["materials"][0]["alphaMode"] = json!("DITHER");
     assert!(only(&json).1[0].contains("/materials/0/alphaMode: expected OPAQUE, MASK or BLEND, found the text \"DITHER\""));
 }
@@ -154,6 +159,21 @@ fn bodies_are_read_with_their_walls() {
     near(wax.float(Property::scatter_distance), 1.0 / std::f64::consts::LN_2);
     assert_eq!(wax.color(Property::scatter_color), [0.9, 0.5, 0.5]);
     assert!(wax.foreign["gltf"].contains_key("KHR_materials_volume_scatter"));
+}
+
+#[test]
+fn anisotropy_over_an_image_of_roughness_is_taken_at_its_half() {
+    let anisotropy = json!({ "anisotropyStrength": 0.5 });
+    let json = with_image(json!({
+        "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": 0 } },
+        "extensions": { "KHR_materials_anisotropy": anisotropy } }));
+    let (material, notes) = only(&json);
+    near(material.float(Property::anisotropy), (0.75_f64 * 0.25).powf(0.25));
+    assert!(material.slot(Property::anisotropy).texture.is_none());
+    assert!(notes[0].contains("anisotropyStrength: depends on the image of roughness"), "{notes:?}");
+    let out = gltf(&material);
+    assert_eq!(out["materials"][0]["extensions"]["KHR_materials_anisotropy"], anisotropy);
+    assert_eq!(only(&out), (material, Vec::new()));
 }
 
 #[test]

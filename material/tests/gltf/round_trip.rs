@@ -7,7 +7,7 @@ use burnish_material::exchange::models::gltf::MODEL;
 use burnish_material::{Material, PROPERTIES, Value};
 use proptest::prelude::*;
 
-use super::{PNG, QUAD, bare, beside, least, most, off_default, opened, common, varied, written};
+use super::{PNG, QUAD, bare, beside, common, least, most, off_default, opened, varied, written};
 
 fn check_round_trip(material: &Material, mesh: Option<&Mesh>) {
     let written = written(material, mesh, &Options::default());

@@ -85,6 +85,19 @@ fn place([s, t]: [f64; 2], degrees: f64, scale: [f64; 2], shift: [f64; 2]) -> [f
 }
 
 #[test]
+fn the_base_colour_takes_the_tint_of_what_is_transmitted() {
+    let mut material = Material::named("Tinted");
+    material.set(Property::metallic, Value::Float(0.5)).set(Property::translucency, Value::Float(0.5));
+    material.set(Property::absorption_color, Value::Color([0.1, 0.5, 0.9]));
+    let color = |material: &Material| gltf(material)["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"].clone();
+    near(&color(&material), &[0.4, 0.5, 0.6, 1.0]);
+    material.set(Property::absorption_distance, Value::Float(1.0));
+    near(&color(&material), &[0.625, 0.625, 0.625, 1.0]);
+    material.set(Property::scatter, Value::Bool(true));
+    near(&color(&material), &[0.5, 0.5, 0.5, 1.0]);
+}
+
+#[test]
 fn transforms_of_images_are_those_of_the_format() {
     let mut material = Material::named("Turned");
     let mut texture = TextureRef::new("a.png");
@@ -94,7 +107,7 @@ fn transforms_of_images_are_those_of_the_format() {
     let json = parsed(&written(&material, None, &bare()));
     assert_eq!(json["extensionsRequired"], json!(["KHR_texture_transform"]));
     let info = &json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"];
-    near(&info["rotation"], &[0.5235988]);
+    near(&info["rotation"], &[std::f64::consts::FRAC_PI_6]);
     near(&info["scale"], &[2.0, 3.0]);
     near(&info["offset"], &[-1.4, -1.7980762]);
     // The same place as a shift of (.1, .2) means with the origin at the lower left.

@@ -197,7 +197,9 @@ impl<'a> Draft<'a> {
             other => other,
         };
         let mut inputs = self.part.material.inputs();
-        textured.iter().for_each(|property| _ = inputs.set(*property, probe(*property, [0.37, 0.53, 0.71])));
+        for property in &textured {
+            inputs.set(*property, probe(*property, [0.37, 0.53, 0.71]));
+        }
         let value = |inputs: &Inputs<f64>| (MODEL.translate)(inputs, &self.part.context).get(place).copied();
         let follows = |property: &Property| {
             let mut moved = inputs;

@@ -9,11 +9,14 @@ use serde_json::{Map, Value as Json, json};
 
 use super::images::Images;
 use super::slots::{ANISOTROPY_IMAGE, SLOTS};
+use super::uri;
 use crate::exchange::models::gltf::{Gltf, MODEL};
 use crate::exchange::native::{texture_json, value_json};
 use crate::material::Material;
 use crate::properties::Property;
 use crate::slot::{Slot, Wrap};
+
+const ANISOTROPY: &str = "KHR_materials_anisotropy";
 
 /// Longest text that is kept, bytes.
 const MAX_ENTRY_BYTES: usize = 1 << 20;
@@ -21,9 +24,11 @@ const MAX_ENTRY_BYTES: usize = 1 << 20;
 /// What is kept of a material, by key: names of extensions, and of keys of the material itself.
 pub(super) fn collect(material: &Json, images: &Images) -> BTreeMap<String, Json> {
     let mut kept = BTreeMap::new();
+    // Directions have no place here, and a strength over an image of roughness is another one at each texel.
+    let has_image = |name: &str| super::json::at(material, name).is_some();
+    let is_approximated = has_image(ANISOTROPY_IMAGE) || has_image("pbrMetallicRoughness.metallicRoughnessTexture");
     for (name, body) in material.get("extensions").and_then(Json::as_object).into_iter().flatten() {
-        let is_image_of_directions = super::json::at(material, ANISOTROPY_IMAGE).is_some() && ANISOTROPY_IMAGE.starts_with(name);
-        if !is_read(name) || is_image_of_directions {
+        if !is_read(name) || (is_approximated && name == ANISOTROPY) {
             kept.insert(name.clone(), named(body, images));
         }
     }
@@ -88,9 +93,10 @@ pub(super) fn number_images(json: &mut Json, number_of: &mut impl FnMut(&str, Wr
         Json::Object(entries) => {
             entries.retain(|key, value| {
                 let Some(index) = value.get("index").filter(|_| key.ends_with("Texture")) else { return true };
-                let Some(path) = index.get("path").and_then(Json::as_str) else { return false };
+                // Whatever stands in a file: images come from beside the document, as they did.
+                let Some(path) = index.get("path").and_then(Json::as_str).and_then(uri::safe) else { return false };
                 let wrap = index.get("wrap").and_then(Json::as_str).and_then(Wrap::from_word).unwrap_or(Wrap::Repeat);
-                let number = number_of(path, wrap);
+                let number = number_of(&path, wrap);
                 value["index"] = json!(number);
                 true
             });
@@ -107,7 +113,7 @@ fn beside(key: &str) -> &'static [Property] {
     match key {
         "alphaMode" => &[P::opacity],
         "KHR_materials_unlit" => &[P::base_color, P::metallic, P::specular_level, P::emission, P::emission_color],
-        "KHR_materials_anisotropy" => &[P::roughness, P::anisotropy, P::anisotropy_rotation],
+        ANISOTROPY => &[P::roughness, P::anisotropy, P::anisotropy_rotation],
         "KHR_materials_volume" => &[
             P::translucency,
             P::scatter,
@@ -163,7 +169,7 @@ pub(super) fn take(found: &BTreeMap<String, Json>, is_native: bool, material: &m
     for (key, json) in found {
         let is_known = known.get(key).is_some_and(|entry| body(entry).as_ref() == Some(json));
         // Beside a native copy this is what the copy was written as.
-        let is_translation = is_native && !known.contains_key(key) && ANISOTROPY_IMAGE.starts_with(key.as_str());
+        let is_translation = is_native && !known.contains_key(key) && key == ANISOTROPY;
         if !is_known && !is_translation {
             let entry = entry(key, json, material);
             material.foreign.entry(MODEL.name.to_owned()).or_default().insert(key.clone(), entry);

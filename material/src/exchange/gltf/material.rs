@@ -38,6 +38,7 @@ pub(super) fn read(json: &Json, place: &str, images: &Images, notes: &mut Notes)
     for slot in SLOTS {
         reader.slot(slot);
     }
+    reader.anisotropy();
     drafts::read(&mut reader);
     let mut foreign = foreign::collect(json, images);
     reader.walls(&mut foreign);
@@ -208,6 +209,21 @@ impl Reader<'_> {
                 }
             }
         }
+    }
+
+    /// A strength over an image of roughness, which would mean another anisotropy at each texel: taken where the image is halfway.
+    fn anisotropy(&mut self) {
+        let roughness = self.fields.get(Gltf::FIELDS, slots::ROUGHNESS).is_some_and(|field| field.texture.is_some());
+        let strength = self.fields.get(Gltf::FIELDS, slots::ANISOTROPY);
+        if !roughness || strength.is_none_or(|field| field.value == Value::Float(0.0)) {
+            return;
+        }
+        let factor = self.float(slots::ROUGHNESS);
+        if let Some(field) = self.fields.say(Gltf::FIELDS, slots::ROUGHNESS) {
+            field.value = Value::Float(0.5 * factor);
+        }
+        let place = pointer(self.place, slots::ANISOTROPY);
+        self.notes.push(format!("{place}: depends on the image of roughness; taken where that is at its half"));
     }
 
     /// A body without thickness, a thin wall: kept as such, because ASM makes it solid.

@@ -1,9 +1,9 @@
 //! glTF 2.0, as `.gltf` and `.glb`: materials to and from documents.
 //!
-//! [`write`] makes a document of materials, each with what it was translated to, and [`Plan`] says which images it needs: files to copy,
-//! and images to compute. [`read`] finds the materials of a document, whoever wrote it. Images and files are the caller's.
+//! [`write()`] makes a document of materials, each with what it was translated to, and [`Plan`] says which images it needs: files to copy,
+//! and images to compute. [`read()`] finds the materials of a document, whoever wrote it. Images and files are the caller's.
 //!
-//! Every material carries its native copy in `extras.asm`; its record of the translation is what [`read`] finds in the same document, so
+//! Every material carries its native copy in `extras.asm`; its record of the translation is what [`read()`] finds in the same document, so
 //! that a file nobody touched gives back every bit. What a material of another program says beyond ASM is kept (`foreign`), and goes out
 //! again beside properties that have not changed.
 

@@ -72,7 +72,7 @@ impl Found {
         }
         notes.splice(0..0, self.native_notes.iter().cloned());
         if !self.name.is_empty() && self.name != material.name {
-            if self.native.is_some() {
+            if self.native.is_some() && !material.name.is_empty() {
                 notes.push(format!("renamed from `{}` to `{}` by another program", material.name, self.name));
             }
             material.name.clone_from(&self.name);

@@ -30,6 +30,7 @@ pub(super) const IOR: &str = "KHR_materials_ior.ior";
 pub(super) const SPECULAR: &str = "KHR_materials_specular.specularFactor";
 pub(super) const SPECULAR_COLOR: &str = "KHR_materials_specular.specularColorFactor";
 pub(super) const ROTATION: &str = "KHR_materials_anisotropy.anisotropyRotation";
+pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy.anisotropyStrength";
 pub(super) const SHEEN: &str = "KHR_materials_sheen.sheenColorFactor";
 pub(super) const SHEEN_IMAGE: &str = "KHR_materials_sheen.sheenColorTexture.factor";
 pub(super) const SHEEN_ROUGHNESS: &str = "KHR_materials_sheen.sheenRoughnessFactor";
@@ -63,12 +64,7 @@ pub(super) const SLOTS: &[Slot] = &[
         ..shared("KHR_materials_specular.specularColorTexture", ("specular_color", "specular"), &[(SPECULAR_COLOR, Channel::Rgb)])
     },
     // Red and green are the cosine and the sine of the rotation.
-    own(
-        ANISOTROPY_IMAGE,
-        "anisotropy",
-        false,
-        &[(ROTATION, Channel::R), ("KHR_materials_anisotropy.anisotropyStrength", Channel::B)],
-    ),
+    own(ANISOTROPY_IMAGE, "anisotropy", false, &[(ROTATION, Channel::R), (ANISOTROPY, Channel::B)]),
     Slot { is_srgb: true, ..shared("KHR_materials_sheen.sheenColorTexture", ("sheen_color", "sheen"), &[(SHEEN, Channel::Rgb)]) },
     shared("KHR_materials_sheen.sheenRoughnessTexture", ("sheen_roughness", "sheen"), &[(SHEEN_ROUGHNESS, Channel::A)]),
     shared("KHR_materials_transmission.transmissionTexture", ("transmission", "body"), &[(TRANSMISSION, Channel::R)]),
