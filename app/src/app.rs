@@ -1,16 +1,19 @@
 //! The window: one frame, in order. What commands do is in `app/actions.rs`.
 
 mod actions;
+mod asking;
 mod bars;
 mod checking;
 mod comparing;
 mod documents;
 mod drops;
+mod exported;
 mod exporting;
 mod handing_out;
 mod job;
 mod keeping;
 mod library;
+mod loaded;
 mod merge;
 mod pages;
 mod panes;
@@ -18,6 +21,7 @@ mod pick;
 mod pictures;
 mod release;
 mod rescue;
+mod saving;
 mod screenshot;
 mod sync;
 mod window;
@@ -47,7 +51,8 @@ use crate::sides::Sides;
 use crate::small_pictures::SmallPictures;
 use crate::tabs::{Tabs, Work};
 use crate::theme;
-use burnish_assets::{ENVIRONMENTS, SHAPES};
+use crate::typing::TypingInOrder;
+use burnish_assets::{BackdropDef, ENVIRONMENTS, SHAPES};
 use burnish_material::{Material, Property};
 use checking::CheckWork;
 use comparing::CompareWork;
@@ -143,6 +148,7 @@ impl App {
         ctx.set_fonts(theme::fonts());
         // A press elsewhere may begin a drag: what is being typed is done before that.
         ctx.options_mut(|options| options.input_options.surrender_focus_on = egui::SurrenderFocusOn::Presses);
+        ctx.add_plugin(TypingInOrder::default());
         let preview = LivePreview::new(render_state);
         let mut editor = Editor::new();
         if preview.problem().is_some() {
@@ -205,18 +211,19 @@ impl App {
             writer,
         };
         app.apply_preferences(ctx);
+        app.editor.set_backdrop(BackdropDef::named(&app.preferences.backdrop));
         app.load_first_scene(ctx);
         app
     }
 
-    /// Starts loading the mesh and the light that the user prefers.
+    /// Starts loading the mesh and the light that the user prefers, as far as there is none.
     fn load_first_scene(&mut self, ctx: &egui::Context) {
         let mesh = SHAPES.iter().find(|def| def.name == self.preferences.mesh).or(SHAPES.first());
-        if let Some(shape) = mesh {
+        if let Some(shape) = mesh.filter(|_| self.editor.model.is_none()) {
             self.loader.start(Job::Shape(shape.name), ctx);
         }
         let light = ENVIRONMENTS.iter().find(|def| def.name == self.preferences.light).or(ENVIRONMENTS.first());
-        if let Some(environment) = light {
+        if let Some(environment) = light.filter(|_| self.editor.environment.is_none()) {
             self.loader.start(Job::BuiltInEnvironment(environment.name), ctx);
         }
     }

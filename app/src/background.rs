@@ -2,9 +2,9 @@
 
 use crate::work::{Ends, Work};
 use egui::Context;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// Shares below this are not worth a frame.
@@ -15,13 +15,16 @@ const TELLING: f32 = 0.02;
 /// What the thread tells and asks.
 pub struct Control {
     share: AtomicU32,
+    /// What is being done now; empty where the work has no stages.
+    stage: Mutex<String>,
     is_cancelled: AtomicBool,
     wake: Context,
 }
 
 impl Control {
     fn new(ctx: &Context) -> Arc<Self> {
-        Arc::new(Self { share: AtomicU32::new(0), is_cancelled: AtomicBool::new(false), wake: ctx.clone() })
+        let (share, stage, is_cancelled) = Default::default();
+        Arc::new(Self { share, stage, is_cancelled, wake: ctx.clone() })
     }
 
     /// This share of the work is done, 0 to 1.
@@ -38,7 +41,19 @@ impl Control {
         self.tell(done as f32 / total.max(1) as f32);
     }
 
-    /// Whether nobody waits for it any more.
+    /// So many of all of this stage are done.
+    pub fn tell_stage(&self, stage: &str, done: usize, total: usize) {
+        let mut now = self.stage();
+        if *now != stage {
+            stage.clone_into(&mut now);
+            self.share.store(0, Ordering::Relaxed);
+            self.wake();
+        }
+        drop(now);
+        self.tell_count(done, total);
+    }
+
+    /// Whether it is to end.
     pub fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
@@ -47,7 +62,12 @@ impl Control {
         f32::from_bits(self.share.load(Ordering::Relaxed))
     }
 
-    fn wake(&self) {
+    fn stage(&self) -> MutexGuard<'_, String> {
+        self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Lets the window draw a frame.
+    pub fn wake(&self) {
         self.wake.request_repaint();
     }
 }
@@ -88,6 +108,26 @@ impl<T> Background<T> {
         running.inspect(|running| running.control.is_cancelled.store(true, Ordering::Relaxed)).is_some()
     }
 
+    /// Asks what is being worked at to end at its next seam; what came of it is told as ever.
+    pub fn end(&self) {
+        if let Some(running) = &self.running {
+            running.control.is_cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Whether it was asked to end and is not there yet.
+    pub fn is_ending(&self) -> bool {
+        self.running.as_ref().is_some_and(|running| running.control.is_cancelled())
+    }
+
+    /// Waits until the work is over, if there is any.
+    pub fn wait(&mut self) {
+        if let Some(running) = self.running.take() {
+            // An error is an end, too.
+            let _ = running.receiver.recv();
+        }
+    }
+
     /// How far it is.
     pub fn share(&self) -> Option<f32> {
         Some(self.running.as_ref()?.control.share())
@@ -96,10 +136,13 @@ impl<T> Background<T> {
     /// The work for the list of all work.
     pub fn work(&self, ends: Ends) -> Option<Work> {
         let running = self.running.as_ref()?;
-        let share = running.control.share();
+        let (name, share, stage) = (&running.name, running.control.share(), running.control.stage());
+        let text = if stage.is_empty() { name.clone() } else { format!("{name}: {}", stage.to_lowercase()) };
         let seconds = running.since.elapsed().as_secs_f64();
-        let remaining = (share > TELLING).then(|| seconds * f64::from((1.0 - share) / share));
-        Some(Work { text: running.name.clone(), progress: Some(share), remaining, ends: Some(ends) })
+        // A stage tells nothing of the others.
+        let can_tell = share > TELLING && stage.is_empty();
+        let remaining = can_tell.then(|| seconds * f64::from((1.0 - share) / share));
+        Some(Work { text, progress: Some(share), remaining, ends: Some(ends) })
     }
 
     /// What came of it, once; an error in one sentence if the program failed at it. `None` while it goes on, and where there is nothing.
@@ -124,12 +167,14 @@ impl<T: Send + 'static> Background<T> {
         let (sender, receiver) = channel();
         let control = Control::new(ctx);
         let theirs = control.clone();
-        std::thread::spawn(move || {
+        let work = move || {
             // Nobody listens where it was given up.
             _ = sender.send(work(&theirs));
             drop(sender);
             theirs.wake();
-        });
+        };
+        // Without a thread nothing is ever sent, and `poll` says so.
+        _ = std::thread::Builder::new().name("background".to_owned()).spawn(work);
         self.running = Some(Running { name: name.into(), since: Instant::now(), control, receiver });
     }
 }
@@ -177,6 +222,26 @@ mod tests {
             0
         });
         assert!(work.cancel() && !work.is_running());
+        work.start("Asked", &ctx, |control| {
+            control.tell_stage("First Part", 1, 2);
+            while !control.is_cancelled() {
+                std::thread::yield_now();
+            }
+            control.tell_stage("Second", 1, 1);
+            7
+        });
+        while work.share() != Some(0.5) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let told = work.work(Ends::Check).unwrap();
+        assert_eq!((told.text.as_str(), told.remaining), ("Asked: first part", None), "the other stage may be longer");
+        assert!(!work.is_ending());
+        work.end();
+        assert!(work.is_ending() && work.is_running());
+        assert_eq!(wait(&mut work), Ok(7), "what came of it is told");
+        work.start("Waited for", &ctx, |_| 8);
+        work.wait();
+        assert!(!work.is_running() && work.poll().is_none());
         work.start("Failing", &ctx, |_| panic!("on purpose"));
         assert!(wait(&mut work).unwrap_err().starts_with("Failing: "));
     }

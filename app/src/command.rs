@@ -105,6 +105,7 @@ commands! {
     NextBookmark, "view.next_bookmark", View, false, "Next camera bookmark", "Go to the next kept point of view.", [NONE V];
     NextMesh, "view.next_mesh", View, false, "Next mesh", "Show the material on the next built-in mesh.", [NONE ArrowDown];
     PreviousMesh, "view.previous_mesh", View, false, "Previous mesh", "Show the material on the built-in mesh before.", [NONE ArrowUp];
+    NextBackdrop, "view.next_backdrop", View, false, "Next backdrop", "Put the mesh on the next backdrop: what it brings, nothing, tiles, a grey sweep.", [];
     NextEnvironment, "view.next_environment", View, false, "Next environment", "Light the scene with the next built-in environment.", [NONE E];
     ExposureUp, "view.brighter", View, true, "Brighter", "One third of a stop more exposure.", [NONE CloseBracket];
     ExposureDown, "view.darker", View, false, "Darker", "One third of a stop less exposure.", [NONE OpenBracket];

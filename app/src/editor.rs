@@ -2,7 +2,7 @@
 
 use crate::files::{self, OpenedMaterial};
 use crate::picture_job::Place;
-use burnish_assets::Environment;
+use burnish_assets::{BackdropDef, Environment};
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::path::StopRules;
 use burnish_renderer::scene::{Camera, DEFAULT_ELEVATION_DEG, DEFAULT_FOV_DEG, EnvironmentLight, ModelMeshes, Scene, TextureSet};
@@ -313,6 +313,9 @@ pub struct Editor {
     pub view: View,
     /// What carries the material; `None` while the first one is being made.
     pub model: Option<Arc<ModelMeshes>>,
+    /// The same on what it brings itself.
+    bare_model: Option<Arc<ModelMeshes>>,
+    backdrop: Option<&'static BackdropDef>,
     /// What lights it; `None` while the first one is being made.
     pub environment: Option<Arc<Environment>>,
     /// Where the model and the environment came from, for pictures to say.
@@ -323,7 +326,15 @@ impl Editor {
     /// An editor of a new material.
     pub fn new() -> Self {
         let document = Document::new(Material::named("New material"));
-        Self { document, view: View::default(), model: None, environment: None, places: [None, None] }
+        Self {
+            document,
+            view: View::default(),
+            model: None,
+            bare_model: None,
+            backdrop: None,
+            environment: None,
+            places: [None, None],
+        }
     }
 
     /// The scene that both renderers draw, for pictures of this aspect; `None` while a part of it is being made.
@@ -341,14 +352,29 @@ impl Editor {
         Some(scene)
     }
 
-    /// Shows another model, framed. The angles of the view stay.
+    /// Shows another model, framed, on the backdrop that is chosen. The angles of the view stay.
     pub fn set_model(&mut self, model: ModelMeshes) {
         if self.model.is_none() {
             self.view.orbit = Orbit::of_model(&model);
         } else {
             self.view.orbit.frame(&model);
         }
-        self.model = Some(Arc::new(model));
+        self.bare_model = Some(Arc::new(model));
+        self.set_backdrop(self.backdrop);
+    }
+
+    /// Shows the model on another backdrop; `None`: on what it brings.
+    pub fn set_backdrop(&mut self, backdrop: Option<&'static BackdropDef>) {
+        self.backdrop = backdrop;
+        self.model = match (&self.bare_model, backdrop) {
+            (Some(model), Some(backdrop)) => Some(Arc::new(model.on(backdrop))),
+            (model, _) => model.clone(),
+        };
+    }
+
+    /// What the model stands on; `None`: on what it brings.
+    pub fn backdrop(&self) -> Option<&'static BackdropDef> {
+        self.backdrop
     }
 }
 

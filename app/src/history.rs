@@ -26,12 +26,13 @@ impl Step {
 /// About how much memory a material takes.
 fn size(material: &Material) -> usize {
     let texts = [&material.name, &material.notes, &material.provenance.source, &material.provenance.reference];
+    let foreign = material.foreign.iter().flat_map(|(_, texts)| texts.iter().map(|(key, text)| key.len() + text.len()));
     let maps = material.slots().filter_map(|(_, slot)| slot.texture.as_ref()).map(|texture| texture.path.len());
     size_of::<Material>()
         + PROPERTIES.len() * size_of::<Slot>()
         + texts.iter().map(|text| text.len()).sum::<usize>()
         + material.aliases.iter().chain(&material.tags).map(String::len).sum::<usize>()
-        + maps.sum::<usize>()
+        + maps.chain(foreign).sum::<usize>()
 }
 
 /// The states that undo and redo walk through.

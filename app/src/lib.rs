@@ -55,6 +55,7 @@ pub mod tabs;
 pub mod texture_set;
 pub mod theme;
 pub mod thumbnails;
+pub mod typing;
 pub mod watch;
 pub mod widgets;
 pub mod work;

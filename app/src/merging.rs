@@ -1,7 +1,7 @@
 //! A merge that is being decided: what two versions of a material disagree in, and the text that comes of the choices.
 
 use crate::sources::Sourced;
-use burnish_material::diff::{self, Change, take};
+use burnish_material::diff::{self, Change, can_take, take};
 use burnish_material::merge::{Conflict, Side, merge_files};
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::scene::TextureSet;
@@ -51,8 +51,8 @@ impl Merging {
             }
             None => {
                 let all = diff::file_changes(&mine.file, &their_file);
-                let can_take = |change: &Change| take(&mut merged.clone(), &their_material, &change.key);
-                let (open, left): (Vec<Change>, Vec<Change>) = all.into_iter().partition(can_take);
+                let is_open = |change: &Change| can_take(&merged, &their_material, &change.key);
+                let (open, left): (Vec<Change>, Vec<Change>) = all.into_iter().partition(is_open);
                 let conflict = |Change { key, property, a, b, .. }| Conflict { key, property, base: None, a, b };
                 (open.into_iter().map(conflict).collect(), left)
             }

@@ -94,6 +94,8 @@ pub struct Stop {
 pub struct SceneSource {
     /// The mesh; `None`: the default, or that of the scene file.
     pub mesh: Option<Source>,
+    /// What the mesh stands on, where that is not what it brings: a built-in backdrop by its name.
+    pub backdrop: Option<String>,
     /// The environment; `None`: the default, or that of the scene file.
     pub environment: Option<Source>,
     /// A scene file.

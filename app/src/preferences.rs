@@ -6,7 +6,7 @@
 use crate::files::FilesError;
 use crate::own_files;
 use crate::theme::ThemeName;
-use burnish_assets::{ENVIRONMENTS, SHAPES};
+use burnish_assets::{BACKDROPS, ENVIRONMENTS, SHAPES};
 use burnish_material::DEFAULT_UNIT_MM;
 use burnish_renderer::tonemap::DisplayTransform;
 use ron::extensions::Extensions;
@@ -46,6 +46,9 @@ impl MouseScheme {
     pub const ALL: [(Self, &'static str); 3] = [(Self::Designer, "designer"), (Self::Maya, "maya"), (Self::Blender, "blender")];
 }
 
+/// The word for what a mesh brings itself.
+pub const OWN_BACKDROP: &str = "own";
+
 /// What the user prefers. Everything has a default, and everything read from a file is in range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preferences {
@@ -55,6 +58,8 @@ pub struct Preferences {
     pub threads: Option<usize>,
     /// Built-in mesh to start with, a name in [`SHAPES`].
     pub mesh: String,
+    /// What the mesh stands on at the start, a name in [`BACKDROPS`]; [`OWN_BACKDROP`]: what it brings.
+    pub backdrop: String,
     /// Built-in environment to start with, a name in [`ENVIRONMENTS`].
     pub light: String,
     /// Display transform to start with.
@@ -83,6 +88,7 @@ impl Default for Preferences {
             unit_mm: DEFAULT_UNIT_MM,
             threads: None,
             mesh: SHAPES.first().map_or("", |def| def.name).to_owned(),
+            backdrop: OWN_BACKDROP.to_owned(),
             light: ENVIRONMENTS.first().map_or("", |def| def.name).to_owned(),
             display: DisplayTransform::default(),
             autosave_seconds: 3.0,
@@ -163,6 +169,7 @@ impl Preferences {
             v.map(|threads| threads.clamp(*THREADS.start(), *THREADS.end()))
         });
         access.name("mesh", &mut self.mesh, SHAPES.iter().map(|def| def.name));
+        access.name("backdrop", &mut self.backdrop, [OWN_BACKDROP].into_iter().chain(BACKDROPS.iter().map(|def| def.name)));
         access.name("light", &mut self.light, ENVIRONMENTS.iter().map(|def| def.name));
         access.word("display", &mut self.display, &DisplayTransform::ALL);
         access.value("autosave_seconds", &mut self.autosave_seconds, "seconds, 1 to 60", |v| {
@@ -298,6 +305,7 @@ mod tests {
             unit_mm: 1.5,
             threads: Some(7),
             mesh: "torus".to_owned(),
+            backdrop: "grey-sweep".to_owned(),
             light: "sun".to_owned(),
             display: DisplayTransform::Agx,
             autosave_seconds: 10.0,

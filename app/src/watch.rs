@@ -1,4 +1,4 @@
-//! Notices that other programs have written files: the material that is open, the textures that it names.
+//! Notices that other programs have written files: the material that is open, the textures that it names, the folder of the library.
 //!
 //! Files are looked at, by time and length, instead of asking the system to tell: notifications do not come from
 //! network drives, and are lost when an editor puts a new file in the place of the old one.
@@ -40,8 +40,15 @@ struct State {
     is_over: bool,
 }
 
-/// When a file was written and how long it is; `None` for a missing one.
-type Stamp = Option<(Option<SystemTime>, u64)>;
+/// When a file or folder was written and how long it is; `None` for a missing one.
+type Stamp = Option<Written>;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Written {
+    time: Option<SystemTime>,
+    length: u64,
+    is_folder: bool,
+}
 
 struct Watched {
     /// What counts as known; `None` until the next look.
@@ -65,7 +72,7 @@ impl Watch {
     /// Watches these files and no others; what is known about those that were watched before stays known.
     ///
     /// Call it before reading them: what changes while they are read is then reported. Missing files are reported when
-    /// they appear.
+    /// they appear. A folder is reported when something in it comes or goes, and when it goes itself.
     pub fn set(&self, paths: impl IntoIterator<Item = PathBuf>) {
         let mut state = self.shared.lock();
         let mut old = std::mem::take(&mut state.files);
@@ -129,6 +136,12 @@ impl State {
         match watched.known {
             None => watched.known = Some(stamp),
             Some(known) if known == stamp => {}
+            Some(Some(Written { is_folder: true, .. })) if stamp.is_none() => {
+                if has_settled {
+                    watched.known = Some(None);
+                    self.changed.insert(path);
+                }
+            }
             // Whatever comes in its place is new, even with the same time and length.
             Some(_) if stamp.is_none() => watched.known = Some(None),
             Some(_) if has_settled => {
@@ -189,8 +202,8 @@ impl Shared {
 }
 
 fn stamp(path: &Path) -> Stamp {
-    let metadata = fs::metadata(path).ok().filter(fs::Metadata::is_file)?;
-    Some((metadata.modified().ok(), metadata.len()))
+    let metadata = fs::metadata(path).ok().filter(|metadata| metadata.is_file() || metadata.is_dir())?;
+    Some(Written { time: metadata.modified().ok(), length: metadata.len(), is_folder: metadata.is_dir() })
 }
 
 #[cfg(test)]
@@ -250,6 +263,22 @@ mod tests {
             assert!(start.elapsed() < PATIENCE, "waited in vain");
             thread::sleep(Duration::from_millis(2));
         }
+    }
+
+    #[test]
+    fn a_folder_is_reported_when_something_comes_and_when_it_goes() {
+        let rig = rig();
+        let folder = rig.folder.path().join("library");
+        fs::create_dir(&folder).unwrap();
+        rig.watch.set([folder.clone()]);
+        rig.settle();
+        fs::write(folder.join("a"), "1").unwrap();
+        assert_eq!(rig.report(), std::slice::from_ref(&folder));
+        fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(rig.report(), std::slice::from_ref(&folder));
+        assert!(rig.is_quiet());
+        fs::create_dir(&folder).unwrap();
+        assert_eq!(rig.report(), [folder]);
     }
 
     #[test]
@@ -313,7 +342,9 @@ mod tests {
         let fresh = state.fresh();
         let baseline = fresh.baseline;
         state.files.insert(path.clone(), fresh);
-        let look = |state: &mut State, length| state.take(path.clone(), baseline, Some((None, length)));
+        let look = |state: &mut State, length| {
+            state.take(path.clone(), baseline, Some(Written { time: None, length, is_folder: false }))
+        };
         for length in [1, 2, 3, 4] {
             look(&mut state, length);
             assert!(state.changed.is_empty());

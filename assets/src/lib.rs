@@ -20,7 +20,7 @@ pub use crate::environments::{ENVIRONMENTS, EnvironmentDef, make_environment};
 pub use crate::image::Image;
 pub use crate::load::{AssetError, is_environment_path, is_image_path, is_model_path, load_environment, load_image, load_model};
 pub use crate::mesh::{Bounds, Mesh, Model, Part, Role};
-pub use crate::shapes::{SHAPES, ShapeDef, make_shape};
+pub use crate::shapes::{BACKDROPS, BackdropDef, SHAPES, ShapeDef, make_shape};
 pub use crate::textures::{
     BUILT_IN_PREFIX, BuiltInTexture, MAX_CONTRAST, TEXTURES, TextureDef, TextureError, TextureMaker, TextureMap,
 };

@@ -234,6 +234,8 @@ pub enum Role {
     FloorLight,
     /// The dark tiles of the floor.
     FloorDark,
+    /// A seamless floor with what rises behind it.
+    Sweep,
 }
 
 /// A mesh and what it is for.

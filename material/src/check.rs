@@ -6,7 +6,7 @@ use crate::lobes::idle_lobe;
 use crate::material::Material;
 use crate::properties::Property;
 use crate::slot::Slot;
-use crate::value::{LimitKind, PropertyDef, Value, Vary};
+use crate::value::{Kind, LimitKind, PropertyDef, Value, Vary};
 
 /// How much a finding matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -106,9 +106,21 @@ fn check_slot(def: &PropertyDef, slot: &Slot, findings: &mut Vec<Finding>) {
         if texture.path.is_empty() {
             add(Severity::Error, FindingKind::Texture, "has a texture without a path".into());
         }
+        let is_direction = def.default.kind() == Kind::Normal;
+        let (scale, bias) = (&texture.scale, &texture.bias);
         if [texture.uv_scale, texture.uv_offset, [texture.uv_rotation, 0.0]].iter().flatten().any(|x| !x.is_finite()) {
             add(Severity::Error, FindingKind::Texture, "has a texture whose placement holds a number that is not finite".into());
-        } else if texture.uv_scale.contains(&0.0) {
+        } else if scale.iter().chain(bias).any(|x| !x.is_finite()) {
+            let message = "has a texture whose scale or bias holds a number that is not finite; renderers use the default";
+            add(Severity::Error, FindingKind::Texture, message.into());
+        } else if is_direction && (*scale, *bias) != ([1.0; 3], [0.0; 3]) {
+            let message = "has a texture with a scale or a bias, which change nothing in a map of directions";
+            add(Severity::Note, FindingKind::Effect, message.into());
+        } else if !is_direction && *scale == [0.0; 3] {
+            let message = "has a texture whose values are scaled by 0, which leaves its bias alone";
+            add(Severity::Warning, FindingKind::Texture, message.into());
+        }
+        if texture.uv_scale.contains(&0.0) {
             add(
                 Severity::Warning,
                 FindingKind::Texture,

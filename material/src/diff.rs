@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::file::{MaterialFile, TEXTS, list, same_texture, same_value, string, texture, value_text};
+use crate::foreign::{self, differing, entry_key};
 use crate::material::Material;
 use crate::properties::{PROPERTIES, Property};
 use crate::value::{Unit, Value};
@@ -10,7 +11,8 @@ use crate::value::{Unit, Value};
 /// One entry that differs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// The entry: `name`, `unit_mm`, `provenance.licence`, a property by its formal name, `roughness.texture`, or another key of the file.
+    /// The entry: `name`, `unit_mm`, `provenance.licence`, `foreign.gltf.KHR_materials_iridescence`, a property by its formal name,
+    /// `roughness.texture`, or another key of the file.
     pub key: String,
     /// The property, if it is about one.
     pub property: Option<Property>,
@@ -22,7 +24,8 @@ pub struct Change {
     pub is_visible: bool,
 }
 
-/// Everything in which two materials differ: name, other names, tags, notes, unit, provenance, then values and textures in specification order.
+/// Everything in which two materials differ: name, other names, tags, notes, unit, provenance, texts of other formats, then values and textures
+/// in specification order.
 ///
 /// A default that is written out is no difference to one that is not. Numbers are compared to the last bit.
 pub fn changes(a: &Material, b: &Material) -> Vec<Change> {
@@ -49,6 +52,10 @@ pub fn changes(a: &Material, b: &Material) -> Vec<Change> {
         if a != b {
             add(format!("provenance.{key}"), None, text(a), text(b), false);
         }
+    }
+    for (format, key) in differing(a, b) {
+        let text = |m: &Material| m.foreign_text(format, key).map(string);
+        add(entry_key(format, key), None, text(a), text(b), false);
     }
     for def in PROPERTIES {
         let (value_a, value_b) = (a.value(def.id), b.value(def.id));
@@ -100,6 +107,7 @@ pub fn take(to: &mut Material, from: &Material, key: &str) -> bool {
         "provenance.reference" => to.provenance.reference.clone_from(&from.provenance.reference),
         "provenance.method" => to.provenance.method.clone_from(&from.provenance.method),
         "provenance.licence" => to.provenance.licence.clone_from(&from.provenance.licence),
+        _ if key.starts_with("foreign.") => return take_foreign(to, from, key),
         _ => {
             let (name, is_texture) = key.strip_suffix(".texture").map_or((key, false), |name| (name, true));
             let Some(id) = Property::from_name(name) else { return false };
@@ -111,6 +119,24 @@ pub fn take(to: &mut Material, from: &Material, key: &str) -> bool {
         }
     }
     true
+}
+
+/// Whether [`take`] finds an entry of this key in either material: unknown keys and sources of single values belong to their files alone.
+pub fn can_take(a: &Material, b: &Material, key: &str) -> bool {
+    if key.starts_with("foreign.") {
+        return [a, b].into_iter().flat_map(foreign::keys).any(|(format, name)| entry_key(format, name) == key);
+    }
+    take(&mut Material::default(), &Material::default(), key)
+}
+
+/// A dot in a name can make two entries of one key; both are taken then.
+fn take_foreign(to: &mut Material, from: &Material, key: &str) -> bool {
+    let old = to.clone();
+    let found: Vec<_> =
+        [&old, from].into_iter().flat_map(foreign::keys).filter(|(format, name)| entry_key(format, name) == key).collect();
+    // Beyond what a material holds, nothing is taken.
+    found.iter().for_each(|(format, name)| _ = to.set_foreign(format, name, from.foreign_text(format, name).map(str::to_owned)));
+    !found.is_empty()
 }
 
 fn take_lengths(to: &mut Material, from: &Material) {

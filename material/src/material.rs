@@ -1,7 +1,6 @@
 //! The material document: one slot per property, and what people say about it.
 
-use std::collections::BTreeMap;
-
+use crate::foreign::Foreign;
 use crate::properties::{Inputs, PROPERTIES, PROPERTY_COUNT, Property};
 use crate::slot::Slot;
 use crate::value::Value;
@@ -25,12 +24,10 @@ pub struct Material {
     /// Millimetres per unit of the lengths in this material; `None` means [`DEFAULT_UNIT_MM`].
     pub unit_mm: Option<f64>,
     /// What files of other formats said that ASM has no place for: by format and key, a JSON text each. Goes back out to that format.
+    /// [`Material::set_foreign`] keeps what a file can hold.
     pub foreign: Foreign,
     slots: Box<[Slot; PROPERTY_COUNT]>,
 }
-
-/// JSON texts by format, such as `gltf`, and key, such as `KHR_materials_iridescence`.
-pub type Foreign = BTreeMap<String, BTreeMap<String, String>>;
 
 /// Where the values of a material come from. Empty texts are absent in the file.
 #[derive(Clone, Debug, Default, PartialEq)]

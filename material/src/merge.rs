@@ -1,10 +1,11 @@
 //! Two versions of a material made from a third, put together: what one of them changed is taken, what both changed is decided.
 //!
-//! Entries are merged one by one: each property with its texture, name, notes, and each text of the provenance. Lengths and the unit they are in
+//! Entries are merged one by one: each property with its texture, name, notes, and each text of the provenance and of other formats. Lengths and the unit they are in
 //! are one entry where the unit was changed, because neither means anything without the other. Tags and other names are merged word by word.
 
 use crate::diff::{self, Change};
-use crate::file::{MaterialFile, TEXTS, same_slot, same_texture, same_value, slot_text, value_text};
+use crate::file::{MaterialFile, TEXTS, same_slot, same_texture, same_value, slot_text, string, value_text};
+use crate::foreign::{differing, entry_key};
 use crate::material::Material;
 use crate::properties::{PROPERTIES, Property};
 use crate::value::{Unit, Value};
@@ -81,6 +82,7 @@ fn pick<T: ?Sized>(base: &T, a: &T, b: &T, is_exact: impl Fn(&T, &T) -> bool, is
 pub fn merge(base: &Material, a: &Material, b: &Material, prefer: Side) -> Merged {
     let mut merger = Merger { base, a, b, prefer, material: a.clone(), conflicts: Vec::new(), taken: Vec::new() };
     merger.words();
+    merger.foreign();
     merger.lengths();
     let has_one_unit = merger.has_one_unit();
     for def in PROPERTIES.iter().filter(|def| has_one_unit || def.unit != Unit::Length) {
@@ -175,6 +177,20 @@ impl Merger<'_> {
                     _ => &mut provenance.licence,
                 };
                 *place = text;
+            }
+        }
+    }
+
+    /// Texts of other formats.
+    fn foreign(&mut self) {
+        let (base, a, b) = (self.base, self.a, self.b);
+        for (format, key) in differing(a, b) {
+            let same = |x: &Option<&str>, y: &Option<&str>| x == y;
+            let [in_base, in_a, in_b] = [base, a, b].map(|m| m.foreign_text(format, key));
+            let picked = pick(&in_base, &in_a, &in_b, same, same);
+            if self.is_from_b(&entry_key(format, key), None, picked, |m| m.foreign_text(format, key).map(string)) {
+                // Beyond what a material holds, the first version's stay.
+                _ = self.material.set_foreign(format, key, in_b.map(str::to_owned));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What a material stores for one property: a value, a texture, both or neither.
 
-use crate::value::Value;
+use crate::value::{Kind, Value};
 
 /// A value and an optional texture. Both absent means the property has its default and is not written.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,11 +23,12 @@ pub struct TextureRef {
     /// How stored values become linear ones.
     pub color_space: ColorSpace,
     /// Whether 1 - x is read for x, after `color_space` has made x linear: a map of gloss then serves as one of roughness. In maps of
-    /// directions only green is turned over, see [`Kind::inverted`](crate::Kind::inverted).
+    /// directions only green is turned over, which is what the two conventions of normal maps (+Y and -Y) differ in; the normal stays on
+    /// its side.
     pub is_inverted: bool,
-    /// Factor by channel on what was read, after the inversion. Nothing in maps of directions.
+    /// Factor by channel on what was read, after the inversion; a scalar has the first. Nothing in maps of directions.
     pub scale: [f64; 3],
-    /// What is added to each channel after that. Nothing in maps of directions.
+    /// What is added to each channel after that; to a scalar the first. Nothing in maps of directions.
     pub bias: [f64; 3],
     /// What lies outside the unit square.
     pub wrap: Wrap,
@@ -54,6 +55,51 @@ impl TextureRef {
             uv_offset: [0.0; 2],
             uv_rotation: 0.0,
         }
+    }
+
+    /// What a property of a kind makes of linear red, green and blue, of which a scalar has its number in each: inversion, scale and bias.
+    /// `None` where values are taken as they are. Numbers of the reference that are not finite count as their defaults.
+    pub fn affine(&self, kind: Kind) -> Option<Affine> {
+        let (scale, bias) = match kind {
+            Kind::Color => (self.scale, self.bias),
+            Kind::Float | Kind::Bool => ([self.scale[0]; 3], [self.bias[0]; 3]),
+            Kind::Normal => ([1.0; 3], [0.0; 3]),
+        };
+        if !self.is_inverted && scale == [1.0; 3] && bias == [0.0; 3] {
+            return None;
+        }
+        let mut affine = Affine { factor: [0.0; 3], summand: [0.0; 3] };
+        for k in 0..3 {
+            let scale = if scale[k].is_finite() { scale[k] } else { 1.0 };
+            let bias = if bias[k].is_finite() { bias[k] } else { 0.0 };
+            let is_turned = self.is_inverted && (kind != Kind::Normal || k == 1);
+            // scale (1 - x) + bias
+            let (factor, summand) = if is_turned { (-scale, scale + bias) } else { (scale, bias) };
+            (affine.factor[k], affine.summand[k]) = (single(factor), single(summand));
+        }
+        Some(affine)
+    }
+}
+
+fn single(x: f64) -> f32 {
+    x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
+}
+
+/// A factor and a summand by channel, in the single precision of texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Affine {
+    factor: [f32; 3],
+    summand: [f32; 3],
+}
+
+impl Affine {
+    /// `factor x + summand`, within the range of single precision. What is not finite stays as it is.
+    #[inline(always)]
+    pub fn apply(&self, linear: [f32; 3]) -> [f32; 3] {
+        std::array::from_fn(|k| {
+            let x = linear[k];
+            if x.is_finite() { (self.factor[k] * x + self.summand[k]).clamp(f32::MIN, f32::MAX) } else { x }
+        })
     }
 }
 

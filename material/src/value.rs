@@ -63,16 +63,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What the linear red, green and blue of a texel become in an inverted texture: 1 - x for x, whatever their range. Of a direction
-    /// only green changes, which is what the two conventions of normal maps (+Y and -Y) differ in; the normal stays on its side.
-    #[inline(always)]
-    pub fn inverted(self, [r, g, b]: [f32; 3]) -> [f32; 3] {
-        match self {
-            Self::Normal => [r, 1.0 - g, b],
-            Self::Color | Self::Float | Self::Bool => [1.0 - r, 1.0 - g, 1.0 - b],
-        }
-    }
-
     /// What a reader expects to see for this kind, for messages.
     pub fn expectation(self) -> &'static str {
         match self {

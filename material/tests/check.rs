@@ -109,6 +109,13 @@ fn textures_are_checked_and_silence_what_they_replace() {
     assert_eq!(check(&material)[0].severity, Warning);
     material.slot_mut(P::metallic).texture = Some(TextureRef { uv_rotation: f64::NAN, ..TextureRef::new("m.png") });
     assert_eq!(check(&material)[0].severity, Error);
+    for (scale, bias, words) in [([0.0; 3], [0.5; 3], "scaled by 0"), ([1.0; 3], [f64::INFINITY; 3], "not finite")] {
+        material.slot_mut(P::metallic).texture = Some(TextureRef { scale, bias, ..TextureRef::new("m.png") });
+        assert!(check(&material)[0].message.contains(words));
+    }
+    let mut bent = Material::default();
+    bent.slot_mut(P::normal).texture = Some(TextureRef { bias: [0.1; 3], ..TextureRef::new("n.png") });
+    assert_eq!(check(&bent)[0].severity, Note);
     material.slot_mut(P::metallic).texture = Some(TextureRef::new(""));
     assert!(check(&material)[0].message.contains("without a path"));
     material = Material::default();

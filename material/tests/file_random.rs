@@ -5,6 +5,7 @@ use burnish_material::{
 };
 use proptest::prelude::*;
 use proptest::sample::select;
+use std::collections::BTreeMap;
 
 /// Finite numbers of every size, as bits.
 fn number() -> impl Strategy<Value = f64> {
@@ -101,8 +102,40 @@ fn texture_text() -> impl Strategy<Value = String> {
         proptest::option::of((spelling(), spelling()).prop_map(|(u, v)| ("uv_scale".to_owned(), format!("({u}, {v})")))),
         proptest::option::of(spelling().prop_map(|x| ("uv_rotation".to_owned(), x))),
         proptest::option::of(Just(("mip".to_owned(), "Linear".to_owned()))),
+        proptest::option::of(channels_text().prop_map(|text| ("scale".to_owned(), text))),
+        proptest::option::of(channels_text().prop_map(|text| ("bias".to_owned(), text))),
     );
-    fields.prop_flat_map(|(a, b, c, d, e)| map_text([a, e, b, c, d].into_iter().flatten().collect()))
+    fields.prop_flat_map(|(a, b, c, d, e, f, g)| map_text([a, e, f, b, g, c, d].into_iter().flatten().collect()))
+}
+
+/// One number, or three.
+fn channels_text() -> BoxedStrategy<String> {
+    prop_oneof![value_text(Kind::Float), value_text(Kind::Color)].boxed()
+}
+
+/// JSON texts.
+fn json() -> impl Strategy<Value = String> {
+    prop_oneof![
+        select(vec!["null", "[]", "{\"a\": [1.0, true]}", " 3e2 ", "\"\\n\"", "{\n  \"b\": \"// }\"\n}"]).prop_map(str::to_owned),
+        any::<String>().prop_map(|text| serde_json::json!({ "text": text }).to_string()),
+    ]
+}
+
+const FORMATS: [&str; 3] = ["gltf", "", "a.b \"c\""];
+const FOREIGN_KEYS: [&str; 4] = ["KHR_x", "k", "漆 //", "*/"];
+
+/// Texts of other formats, and what is none.
+fn foreign_text() -> BoxedStrategy<String> {
+    let strange = || select(vec!["3", "[1]", "\"{\"", "\"NaN\"", "\"\"", "Some({})"]).prop_map(str::to_owned);
+    let texts = (0..FOREIGN_KEYS.len()).map(|at| {
+        let text = prop_oneof![4 => json().prop_map(|text| quoted(&text)), 1 => strange()];
+        proptest::option::of(text.prop_map(move |text| (FOREIGN_KEYS[at].to_owned(), text)))
+    });
+    let texts = texts.collect::<Vec<_>>().prop_flat_map(|texts| map_text(texts.into_iter().flatten().collect()));
+    let texts = prop_oneof![6 => texts, 1 => strange()].boxed();
+    let formats = FORMATS.map(|format| proptest::option::of(texts.clone().prop_map(move |texts| (format.to_owned(), texts))));
+    let formats = formats.prop_flat_map(|formats| map_text(formats.into_iter().flatten().collect()));
+    prop_oneof![9 => formats, 1 => strange()].boxed()
 }
 
 fn property_text(kind: Kind) -> BoxedStrategy<String> {
@@ -147,10 +180,15 @@ fn document() -> impl Strategy<Value = String> {
     }));
     let fields = (
         (words(), words(), tags, provenance),
-        (proptest::option::of(spelling()), proptest::option::weighted(0.9, properties_text()), any::<bool>()),
+        (
+            proptest::option::of(spelling()),
+            proptest::option::weighted(0.9, properties_text()),
+            proptest::option::of(foreign_text()),
+            any::<bool>(),
+        ),
         (trivia(), trivia(), any::<bool>()),
     );
-    let fields = fields.prop_flat_map(|((name, notes, tags, provenance), (unit, properties, has_more), around)| {
+    let fields = fields.prop_flat_map(|((name, notes, tags, provenance), (unit, properties, foreign, has_more), around)| {
         let fields = [
             ("asm", Some("\"4.0\"".into())),
             ("name", name),
@@ -158,6 +196,7 @@ fn document() -> impl Strategy<Value = String> {
             ("notes", notes),
             ("unit_mm", unit),
             ("provenance", provenance),
+            ("foreign", foreign),
             ("properties", properties),
             ("more", has_more.then(|| "{\"x\": 'c', \"y\": b\"b\", \"z\": r#\"\"}\"#}".into())),
         ];
@@ -176,7 +215,9 @@ enum Edit {
     NoValue,
     Texture(Option<TextureRef>),
     Rotate(f64),
+    Repeat(usize, f64),
     Scale(usize, f64),
+    Bias(f64),
 }
 
 fn texture() -> impl Strategy<Value = TextureRef> {
@@ -187,16 +228,27 @@ fn texture() -> impl Strategy<Value = TextureRef> {
         [number(), number()],
         number(),
         any::<bool>(),
+        three(),
+        three(),
     );
-    (text(), choices).prop_map(|(path, (channel, color_space, wrap, uv_offset, uv_rotation, is_inverted))| TextureRef {
-        channel: channel.0,
-        color_space: color_space.0,
-        is_inverted,
-        wrap: wrap.0,
-        uv_offset,
-        uv_rotation,
-        ..TextureRef::new(path)
+    (text(), choices).prop_map(|(path, (channel, color_space, wrap, uv_offset, uv_rotation, is_inverted, scale, bias))| {
+        TextureRef {
+            channel: channel.0,
+            color_space: color_space.0,
+            is_inverted,
+            scale,
+            bias,
+            wrap: wrap.0,
+            uv_offset,
+            uv_rotation,
+            ..TextureRef::new(path)
+        }
     })
+}
+
+/// A number for each channel, or one for all.
+fn three() -> impl Strategy<Value = [f64; 3]> {
+    prop_oneof![number().prop_map(|x| [x; 3]), [number(), number(), number()]]
 }
 
 fn one_edit() -> impl Strategy<Value = Edit> {
@@ -208,7 +260,9 @@ fn one_edit() -> impl Strategy<Value = Edit> {
         1 => Just(Edit::NoValue),
         2 => proptest::option::of(texture()).prop_map(Edit::Texture),
         2 => number().prop_map(Edit::Rotate),
-        2 => (0..2_usize, number()).prop_map(|(at, x)| Edit::Scale(at, x)),
+        2 => (0..2_usize, number()).prop_map(|(at, x)| Edit::Repeat(at, x)),
+        2 => (0..3_usize, number()).prop_map(|(at, x)| Edit::Scale(at, x)),
+        2 => number().prop_map(Edit::Bias),
     ]
 }
 
@@ -223,7 +277,9 @@ fn apply(material: &mut Material, property: Property, edit: &Edit) {
         (Edit::NoValue, _) => return slot.value = None,
         (Edit::Texture(texture), _) => return slot.texture.clone_from(texture),
         (Edit::Rotate(x), _) => return slot.texture.iter_mut().for_each(|texture| texture.uv_rotation = *x),
-        (Edit::Scale(at, x), _) => return slot.texture.iter_mut().for_each(|texture| texture.uv_scale[*at] = *x),
+        (Edit::Repeat(at, x), _) => return slot.texture.iter_mut().for_each(|texture| texture.uv_scale[*at] = *x),
+        (Edit::Scale(at, x), _) => return slot.texture.iter_mut().for_each(|texture| texture.scale[*at] = *x),
+        (Edit::Bias(x), _) => return slot.texture.iter_mut().for_each(|texture| texture.bias = [*x; 3]),
         _ => return,
     }
     slot.value = Some(value);
@@ -238,6 +294,8 @@ enum TextEdit {
     Unit(Option<f64>),
     Source(String),
     Method(String),
+    Foreign(usize, usize, Option<String>),
+    NoForeign,
 }
 
 fn text_edit() -> impl Strategy<Value = TextEdit> {
@@ -249,6 +307,9 @@ fn text_edit() -> impl Strategy<Value = TextEdit> {
         proptest::option::of(number()).prop_map(TextEdit::Unit),
         text().prop_map(TextEdit::Source),
         text().prop_map(TextEdit::Method),
+        (0..FORMATS.len(), 0..FOREIGN_KEYS.len(), proptest::option::of(json()))
+            .prop_map(|(f, k, text)| TextEdit::Foreign(f, k, text)),
+        Just(TextEdit::NoForeign),
     ]
 }
 
@@ -262,6 +323,10 @@ fn apply_text(material: &mut Material, edit: &TextEdit) {
         TextEdit::Unit(unit) => material.unit_mm = *unit,
         TextEdit::Source(text) => material.provenance.source.clone_from(text),
         TextEdit::Method(text) => material.provenance.method.clone_from(text),
+        TextEdit::Foreign(format, key, text) => {
+            material.set_foreign(FORMATS[*format], FOREIGN_KEYS[*key], text.clone()).expect("JSON is taken");
+        }
+        TextEdit::NoForeign => material.foreign.clear(),
     }
 }
 
@@ -272,15 +337,14 @@ fn exact(material: &Material) -> String {
         .slots()
         .map(|(id, slot)| {
             let value = slot.value.map(|value| (value.kind(), bits(value.numbers()), value == Value::Bool(true)));
-            let placement = slot
-                .texture
-                .as_ref()
-                .map(|t| bits(&[t.uv_scale[0], t.uv_scale[1], t.uv_offset[0], t.uv_offset[1], t.uv_rotation]));
+            let numbers = |t: &TextureRef| [&t.scale[..], &t.bias, &t.uv_scale, &t.uv_offset, &[t.uv_rotation]].concat();
+            let placement = slot.texture.as_ref().map(|t| bits(&numbers(t)));
             format!("{id:?} {value:?} {placement:?} {:?}\n", slot.texture)
         })
         .collect();
     let unit = material.unit_mm.map(f64::to_bits);
-    format!("{:?} {:?} {:?} {unit:?} {:?}\n{slots}", material.name, material.tags, material.notes, material.provenance)
+    let Material { name, tags, notes, provenance, foreign, .. } = material;
+    format!("{name:?} {tags:?} {notes:?} {unit:?} {provenance:?} {foreign:?}\n{slots}")
 }
 
 /// The pieces of text that are in both, in order, cover all of `new` but what an edit wrote: checked by removing from the
@@ -320,8 +384,14 @@ proptest! {
         prop_assert_eq!(exact(reread.material()), exact(&edited), "\n{}\n--\n{}", text, new);
         prop_assert_eq!(reread.changed(&edited), 0);
         prop_assert_eq!(new == text, file.changed(&edited) == 0);
-        // What is unknown stays, unless it was a setting of a texture that went or was replaced.
-        let is_own = |key: &&String| !key.contains(".texture.");
+        // What is unknown stays, unless it was a setting of a texture that went or was replaced, or a text of another format has its place.
+        let is_taken = |key: &str| {
+            let of = |format: &str, texts: &BTreeMap<String, String>| {
+                key == format!("foreign.{format}") || texts.keys().any(|name| key == format!("foreign.{format}.{name}"))
+            };
+            !edited.foreign.is_empty() && key == "foreign" || edited.foreign.iter().any(|(format, texts)| of(format, texts))
+        };
+        let is_own = |key: &&String| !key.contains(".texture.") && !is_taken(key);
         prop_assert!(file.unknown_keys().iter().filter(is_own).eq(reread.unknown_keys().iter().filter(is_own)), "{}\n--\n{}", text, new);
 
         // Taking the edit back before saving gives the same bytes; after rereading, the same values.

@@ -3,7 +3,7 @@
 //! A scene is immutable and cheap to clone; heavy parts are shared. Exposure and display transform are not part of it:
 //! they act on finished pictures (`tonemap`).
 
-use burnish_assets::{Bounds, Environment, Image, Mesh, Model, Role};
+use burnish_assets::{BackdropDef, Bounds, Environment, Image, Mesh, Model, Role};
 use burnish_material::{DEFAULT_UNIT_MM, Material, Property, Value};
 use glam::{DQuat, Vec3};
 use std::collections::BTreeMap;
@@ -217,6 +217,16 @@ impl From<Model> for ModelMeshes {
 }
 
 impl ModelMeshes {
+    /// The same on another backdrop; what was floor before is left out.
+    #[must_use]
+    pub fn on(&self, backdrop: &BackdropDef) -> Self {
+        let parts = backdrop.parts(self.parts.iter().map(|(role, mesh)| (*role, mesh.bounds())));
+        let mut model = self.clone();
+        model.parts.retain(|(role, _)| !role.is_floor());
+        model.parts.extend(parts.into_iter().map(|part| (part.role, Arc::new(part.mesh))));
+        model
+    }
+
     /// A camera that frames the object.
     pub fn default_camera(&self) -> Camera {
         let half = (self.object_bounds.size() * 0.5).max_element().max(1e-6);
@@ -233,6 +243,7 @@ fn stage_material(role: Role) -> Arc<Material> {
         Role::Stand => [0.08, 0.08, 0.085],
         Role::FloorLight => [0.18, 0.18, 0.18],
         Role::FloorDark => [0.13, 0.13, 0.135],
+        Role::Sweep => [0.25, 0.25, 0.25],
         Role::Object => [0.5; 3],
     };
     let mut material = Material::named("stage");

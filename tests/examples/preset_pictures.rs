@@ -4,7 +4,8 @@
 //! made is written after each picture, so that it can be interrupted.
 
 use burnish::library::entry::Entry;
-use burnish::library::setup::{Frame, Setup, Stage, read};
+use burnish::library::maker::{Limits, Renderer};
+use burnish::library::setup::{Frame, Setup, Stage};
 use burnish::library::walk::walk;
 use burnish_presets::pictures::{ACROSS, SIDE};
 use image::{RgbImage, codecs::jpeg::JpegEncoder, imageops};
@@ -54,14 +55,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             missing.push(n);
         }
     }
-    let (mut last, mut out) = (None, std::io::stdout().lock());
+    let limits = Limits { seconds, threads: std::thread::available_parallelism()?.get() };
+    let (mut renderer, mut out) = (Renderer::new(&data), std::io::stdout().lock());
     for (count, n) in missing.iter().copied().enumerate() {
         let entry = &entries[n];
-        let (material, textures, problems) = read(&data, entry)?;
+        let (rendering, problems) = renderer.render(&setup, entry, None, limits, &mut |_| true)?;
         problems.iter().try_for_each(|problem| writeln!(out, "{problem}"))?;
-        let scene = setup.scene_of(material, textures);
-        let threads = std::thread::available_parallelism()?.get();
-        let made = setup.render(&scene, &mut last, seconds, threads, &mut |_| true)?.ok_or("it was not made")?;
+        let made = setup.develop(&rendering)?;
         let large = RgbImage::from_raw(frame.width as u32, frame.height as u32, made.rgb).ok_or("it has another size")?;
         let (x, y) = place(n);
         imageops::replace(&mut picture, &imageops::resize(&large, side, side, imageops::FilterType::Triangle), x, y);

@@ -1,6 +1,7 @@
 //! What several tests need: cases, scenes, quadrature, the GPU.
 
 pub mod coverage;
+pub mod export_panel;
 pub mod gpu;
 pub mod library;
 pub mod materials;

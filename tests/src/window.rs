@@ -171,6 +171,18 @@ pub fn rect(window: &Window, role: Role, name: &str) -> Rect {
     find(window, role, name).rect()
 }
 
+/// The cards of the library of this name, whether their pictures are drafts or not.
+pub fn cards<'a>(window: &'a Window, name: &'a str) -> impl Iterator<Item = Node<'a>> {
+    let is_name =
+        move |label: String| label.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(", draft"));
+    window.query_all_by(move |node| node.role() == Role::ListBoxOption && node.label().is_some_and(is_name))
+}
+
+/// Where the first of them is.
+pub fn card(window: &Window, name: &str) -> Rect {
+    cards(window, name).next().expect("there is such a card").rect()
+}
+
 /// The name of the field that changes a number of a property, its second if it has three.
 pub fn field_name(def: &PropertyDef) -> String {
     match def.default.kind() {

@@ -10,7 +10,8 @@ use burnish_material::{MaterialFile, Property, Severity, Value};
 use burnish_renderer::scene::TextureSet;
 use burnish_renderer::tonemap::Display;
 use burnish_tests::window::{
-    CTRL, Window, app, button, click, key, material, press, rect, send, set_document, text, window_with, with_modifiers,
+    CTRL, Window, app, button, card, cards, click, key, material, press, rect, send, set_document, text, window_with,
+    with_modifiers,
 };
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, vec2};
@@ -115,7 +116,7 @@ fn type_into(window: &mut Window, field: &str, text: &str) {
 }
 
 fn choose_card(window: &mut Window, name: &str, modifiers: Modifiers) {
-    let at = rect(window, Role::ListBoxOption, name).center();
+    let at = card(window, name).center();
     with_modifiers(window, modifiers, [Event::PointerMoved(at), button(at, true)]);
     with_modifiers(window, modifiers, [button(at, false)]);
     window.run_steps(2);
@@ -197,7 +198,7 @@ fn a_pair_becomes_one_file_with_both_names_and_two_again() {
     until(&mut window, "the check", |app| app.checked().is_some_and(|checked| checked.files == 6 && checked.pairs.is_empty()));
     // It is found by its other name.
     type_into(&mut window, "Search library", "old");
-    assert!(window.query_all_by_role_and_label(Role::ListBoxOption, "Gold").next().is_some());
+    assert!(cards(&window, "Gold").next().is_some());
     key(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Command::Undo);
     until(&mut window, "the files to be as before", |app| has_said(app, "Undid: Merge gold-old into gold"));

@@ -147,6 +147,7 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
         Command::BookmarkCamera => view.bookmarks == [old.orbit],
         Command::NextBookmark => view.orbit == old.bookmarks[0],
         Command::NextMesh | Command::PreviousMesh => now.model != before.model,
+        Command::NextBackdrop => app.editor().backdrop().is_some(),
         Command::NextEnvironment => now.environment != before.environment,
         Command::ExposureUp => view.display.exposure_ev > old.display.exposure_ev,
         Command::ExposureDown => view.display.exposure_ev < old.display.exposure_ev,

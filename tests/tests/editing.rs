@@ -1,9 +1,10 @@
 //! Every gesture on every property with real events of mouse and keyboard: each does what it says, as exactly one step.
 
-use burnish_material::{Kind, PropertyDef, Unit};
+use burnish::widgets::value_edit::edit_range;
+use burnish_material::{Kind, PropertyDef, Unit, Value};
 use burnish_tests::window::{
-    CTRL, Window, click, drag, field_name, find, gesture, key, material, nothing, number, numeric, rect, release, send, set_all,
-    slot, step_now, window,
+    CTRL, Window, app, button, click, drag, field_name, find, gesture, key, material, nothing, number, numeric, rect, release,
+    send, set_all, slot, step_now, window,
 };
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Pos2, Rect, Vec2, vec2};
@@ -268,6 +269,33 @@ fn two_fields_one_after_the_other_are_two_steps() {
         }
         assert!(material(&window) == before, "{first}, {second}");
     }
+}
+
+#[test]
+fn one_slow_frame_holds_a_click_and_what_is_typed_after_it() {
+    let mut window = window();
+    set_all(&mut window);
+    let mode = app(&window).editor().view.mode;
+    for def in numeric() {
+        let at = field(&window, def);
+        let slot = gesture(&mut window, def, "a click and a number in one frame", |window| {
+            let pressed =
+                |key, pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers: Modifiers::NONE };
+            let typed = ["0", ".", "1", "2", "5"].map(|text| (Key::from_name(text), Event::Text(text.to_owned())));
+            let typed = typed.into_iter().flat_map(|(key, text)| key.map(|key| pressed(key, true)).into_iter().chain([text]));
+            let enter = [pressed(Key::Enter, true), pressed(Key::Enter, false)];
+            send(window, [Event::PointerMoved(at), button(at, true), button(at, false)].into_iter().chain(typed).chain(enter));
+            window.run_steps(2);
+        });
+        let expected = 0.125_f64.max(*edit_range(def).start());
+        let value = match slot.value {
+            Some(Value::Float(x)) => x,
+            Some(Value::Color(v) | Value::Normal(v)) => v[1],
+            other => panic!("{}: {other:?}", def.name),
+        };
+        assert_eq!(value, expected, "{}", def.name);
+    }
+    assert_eq!(app(&window).editor().view.mode, mode, "digits are keys of commands, too");
 }
 
 /// Where the fields and tracks of all rows are.

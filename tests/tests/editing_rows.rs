@@ -1,10 +1,10 @@
 //! What the mouse and the keyboard do to a row of the properties as a whole: reset, copy, paste, step, negate, switch.
 
 use burnish::widgets::value_edit::exact_text;
-use burnish_material::{Kind, PROPERTIES, Property, PropertyDef, Slot, Unit, Value};
+use burnish_material::{Kind, Material, PROPERTIES, Property, PropertyDef, Slot, TextureRef, Unit, Value};
 use burnish_tests::window::{
     CTRL, Window, click, click_secondary, drag, field_name, gesture, key, material, notch, nothing, number, numeric, rect,
-    release, send, set_all, set_document, slot, step_now, window, with_modifiers,
+    release, send, set_all, set_document, settle, slot, step_now, window, window_of, with_modifiers,
 };
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, OutputCommand, Pos2, pos2, vec2};
@@ -236,4 +236,54 @@ fn a_text_and_a_drag_right_after_it_are_two_steps() {
     }
     assert!(material(&window) == before);
     assert!(window.root().children_recursive().all(|node| !node.is_focused() || node.accesskit_node().role() == Role::Window));
+}
+
+#[test]
+fn maps_are_scaled_and_shifted_in_their_settings() {
+    let mut window = window_of(vec2(1600.0, 4000.0), Vec::new());
+    let has = |window: &Window, name: &str| window.query_by_role_and_label(Role::SpinButton, name).is_some();
+    for property in [Property::roughness, Property::base_color, Property::normal] {
+        let def = property.def();
+        set_document(&mut window, |material| {
+            *material = Material::default();
+            material.slot_mut(property).texture = Some(TextureRef::new("missing.png"));
+        });
+        settle(&mut window);
+        let settings = |window: &mut Window| {
+            click_named(window, &format!("{} map settings", def.label));
+            window.run_steps(4);
+        };
+        settings(&mut window);
+        let fields: &[&str] = match def.default.kind() {
+            Kind::Float => &["scale", "bias"],
+            Kind::Color => &["scale green", "bias green"],
+            _ => &[],
+        };
+        if fields.is_empty() {
+            assert!(has(&window, &format!("{} map repeat u", def.label)));
+            assert!(!has(&window, &format!("{} map scale", def.label)) && !has(&window, &format!("{} map bias red", def.label)));
+        }
+        for field in fields {
+            let name = format!("{} map {field}", def.label);
+            let at = rect(&window, Role::SpinButton, &name).center();
+            let made = gesture(&mut window, def, field, |window| {
+                click(window, at);
+                window.step();
+                key(window, CTRL, Key::A);
+                send(window, [Event::Text("-2.5".to_owned())]);
+                key(window, Modifiers::NONE, Key::Enter);
+            });
+            let texture = made.texture.expect("the map stays");
+            let (changed, other, old) = if field.starts_with("scale") {
+                (texture.scale, texture.bias, [0.0; 3])
+            } else {
+                (texture.bias, texture.scale, [1.0; 3])
+            };
+            let rest = if field.starts_with("scale") { 1.0 } else { 0.0 };
+            let expected = if def.default.kind() == Kind::Color { [rest, -2.5, rest] } else { [-2.5; 3] };
+            assert_eq!((changed, other), (expected, old), "{name}");
+        }
+        key(&mut window, Modifiers::NONE, Key::Escape);
+        window.run_steps(2);
+    }
 }

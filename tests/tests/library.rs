@@ -258,7 +258,7 @@ fn queries_find_what_they_say() {
         ("metal glossiness>0", "no property"),
         ("metal colour:red", "`colour:` means nothing"),
         ("metal tag:", "expected a word"),
-        ("metal is:nice", "fresh, stale, missing"),
+        ("metal is:nice", "fresh, draft, stale, missing"),
         ("metal has:wheels", "texture"),
         ("metal normal>0", "normal is a direction"),
     ] {

@@ -3,13 +3,14 @@
 use burnish::app::App;
 use burnish::command::Command;
 use burnish::dock::Pane;
-use burnish::library::LibraryPlaces;
 use burnish::library::shelf::Shelf;
+use burnish::library::{LibraryPlaces, State};
 use burnish::panels::library::LibraryAction;
 use burnish::places::Places;
 use burnish_material::{Material, MaterialFile, Property, Value};
 use burnish_tests::window::{
-    CTRL, Window, app, app_mut, button, click, click_secondary, material, press, rect, release, send, window_with, with_modifiers,
+    CTRL, Window, app, app_mut, button, card, cards, click, click_secondary, material, press, rect, release, send, window_with,
+    with_modifiers,
 };
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, vec2};
@@ -84,7 +85,7 @@ fn library_answering(root: &Path, home: &Path, paths: Vec<PathBuf>) -> Window {
 }
 
 fn is_shown(window: &Window, name: &str) -> bool {
-    window.query_all_by_role_and_label(Role::ListBoxOption, name).next().is_some()
+    cards(window, name).next().is_some()
 }
 
 fn shown(window: &Window) -> Vec<&'static str> {
@@ -92,7 +93,7 @@ fn shown(window: &Window) -> Vec<&'static str> {
 }
 
 fn choose(window: &mut Window, name: &str, modifiers: Modifiers) {
-    let at = rect(window, Role::ListBoxOption, name).center();
+    let at = card(window, name).center();
     with_modifiers(window, modifiers, [Event::PointerMoved(at), button(at, true)]);
     with_modifiers(window, modifiers, [button(at, false)]);
     window.run_steps(2);
@@ -163,7 +164,7 @@ fn a_file_is_opened_applied_and_renamed() {
     let (folder, home) = (folder(), tempfile::tempdir().expect("a folder"));
     let mut window = library(folder.path(), home.path());
     // The menu of a card.
-    let at = rect(&window, Role::ListBoxOption, "Velvet").center();
+    let at = card(&window, "Velvet").center();
     click_secondary(&mut window, at);
     window.run_steps(2);
     press_button(&mut window, "Apply to this material");
@@ -172,7 +173,7 @@ fn a_file_is_opened_applied_and_renamed() {
     press(&mut window, Command::Undo);
     assert!(material(&window).name != "Velvet");
     // Dragged onto the view.
-    let (from, to) = (rect(&window, Role::ListBoxOption, "Gold").center(), egui::pos2(500.0, 400.0));
+    let (from, to) = (card(&window, "Gold").center(), egui::pos2(500.0, 400.0));
     send(&mut window, [Event::PointerMoved(from), button(from, true)]);
     for part in [0.1, 0.5, 1.0] {
         send(&mut window, [Event::PointerMoved(from + part * (to - from))]);
@@ -227,6 +228,27 @@ fn a_query_that_means_nothing_says_so() {
     let ctx = window.ctx.clone();
     app_mut(&mut window).do_in_library(LibraryAction::Rescan, &ctx);
     until(&mut window, "the missing folder to be noticed", |app| has_said(app, |text| text.contains("expected a folder")));
+}
+
+#[test]
+fn drafts_say_that_the_full_picture_is_still_to_come() {
+    let (folder, home) = (folder(), tempfile::tempdir().expect("a folder"));
+    let mut window = library(folder.path(), home.path());
+    let is_draft = |app: &App| {
+        let library = app.library().expect("it is open");
+        // The first of five: no full picture is begun before all of them are there.
+        library.entries().iter().any(|entry| library.state(entry) == State::Draft)
+    };
+    until(&mut window, "a draft", is_draft);
+    assert!(window.query_all_by_label_contains(", draft: the full picture is still to come").next().is_some());
+    assert_eq!(shown(&window), NAMES, "drafts have their names");
+    type_into(&mut window, "Search library", "is:draft");
+    assert!(!shown(&window).is_empty());
+    let at = card(&window, shown(&window)[0]).center();
+    send(&mut window, [Event::PointerMoved(at)]);
+    // It comes after a moment.
+    window.run_steps(60);
+    assert!(window.query_all_by_label("draft: the full picture is still to come").next().is_some());
 }
 
 /// Puts small pictures there as if they had been made.

@@ -1,6 +1,5 @@
 //! Pictures and turntables that the window makes: what is set is what is written, it can be made again, ended and resumed, and what fails is told once.
 
-use burnish::app::App;
 use burnish::cli::Outcome;
 use burnish::cli::render::{self, RenderArguments};
 use burnish::command::Command;
@@ -9,71 +8,20 @@ use burnish::export::Format;
 use burnish::live_export::FrameState;
 use burnish::offline::turntable::Turn;
 use burnish::panels::export::Kind;
-use burnish::panels::messages::Severity;
 use burnish::picture_file::embedded_job;
 use burnish_renderer::path::StopRules;
+use burnish_tests::export_panel::{PATIENCE, SIZE, errors, names, press_button, until, until_done, window};
 use burnish_tests::window::{Window, app, app_mut, click, find, press, rect, step_now, window_with};
 use egui::accesskit::Role;
 use egui::vec2;
 use egui_kittest::kittest::Queryable;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
-
-/// Longest wait for anything that happens in the background.
-const PATIENCE: Duration = Duration::from_secs(60);
-/// So few pixels that a sample of all takes no time.
-const SIZE: [usize; 2] = [24, 20];
-
-/// A window with the panel in front, whose dialogs answer with these paths in turn.
-fn window(paths: Vec<PathBuf>) -> Window {
-    let mut window = window_with(vec2(1280.0, 1000.0), paths, |app, _| app);
-    app_mut(&mut window).dock_mut().set_shown(Pane::Export, true);
-    window.run_steps(3);
-    let panel = app_mut(&mut window).export_panel_mut();
-    panel.size = Some(SIZE);
-    panel.stop = StopRules { spp: Some(8), seconds: None, relmse: None };
-    panel.frame_stop = panel.stop;
-    window.run_steps(2);
-    window
-}
-
-fn until(window: &mut Window, what: &str, holds: impl Fn(&App) -> bool) {
-    let start = Instant::now();
-    while !holds(app(window)) {
-        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}; said: {:?}", app(window).messages());
-        std::thread::sleep(Duration::from_millis(5));
-        window.run_steps(1);
-    }
-    window.run_steps(2);
-}
-
-fn until_done(window: &mut Window) {
-    window.run_steps(2);
-    until(window, "the rendering to end", |app| !app.is_exporting());
-}
-
-fn press_button(window: &mut Window, name: &str) {
-    let at = rect(window, Role::Button, name).center();
-    click(window, at);
-    window.run_steps(2);
-}
 
 fn tick(window: &mut Window, role: Role, name: &str) {
     find(window, role, name).click_accesskit();
     window.run_steps(2);
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("it is there");
-    let mut names: Vec<String> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
-}
-
-fn errors(window: &Window) -> Vec<&str> {
-    let of = |severity| move |message: &&burnish::panels::messages::Message| message.severity == severity;
-    app(window).messages().iter().filter(of(Severity::Error)).map(|message| message.text.as_str()).collect()
 }
 
 /// The picture made again from what it holds, by the command line.

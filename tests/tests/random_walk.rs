@@ -92,8 +92,11 @@ fn touch(random: &mut Random, window: &mut Window) {
 
 /// What keeps the other threads at work for long, so that a walk would wait for them and not for the window.
 fn works_long(command: Command) -> bool {
-    use Command::{CompareSides, NextDebug, NextEnvironment, NextMesh, PreviousMesh, ShowFinal, ToggleStability};
-    matches!(command, NextDebug | NextEnvironment | NextMesh | PreviousMesh | ShowFinal | ToggleStability | CompareSides)
+    use Command::{CompareSides, NextBackdrop, NextDebug, NextEnvironment, NextMesh, PreviousMesh, ShowFinal, ToggleStability};
+    matches!(
+        command,
+        NextBackdrop | NextDebug | NextEnvironment | NextMesh | PreviousMesh | ShowFinal | ToggleStability | CompareSides
+    )
 }
 
 /// Answers what the window asks, so that the walk can go on.

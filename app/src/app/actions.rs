@@ -10,10 +10,11 @@ use crate::loading::Job;
 use crate::pages::Page;
 use crate::panels::export::{ExportAction, Kind};
 use crate::panels::texture_page::TexturePage;
+use crate::panels::toolbar::AS_IT_COMES;
 use crate::sides::Side;
 use crate::widgets::value_edit::RowAction;
 use crate::work::Ends;
-use burnish_assets::{ENVIRONMENTS, SHAPES};
+use burnish_assets::{BACKDROPS, ENVIRONMENTS, SHAPES};
 use burnish_material::Slot;
 use burnish_renderer::stability::Fix;
 use egui::{Context, FocusDirection, Key, Modifiers, ViewportCommand};
@@ -45,7 +46,6 @@ impl App {
             Command::FlipSides | Command::CompareSides => self.sides.stored().is_some(),
             Command::NextTab | Command::PreviousTab => self.tabs.count() > 1,
             Command::ContactSheet | Command::ExportPack => self.library().is_some_and(|library| !library.entries().is_empty()),
-            Command::RenderPicture | Command::RenderTurntable => self.can_render(),
             Command::StopRendering => !self.can_render(),
             Command::NextBookmark => !self.editor.view.bookmarks.is_empty(),
             _ => true,
@@ -231,6 +231,12 @@ impl App {
                 let next = here.map_or(0, |index| (index + step) % SHAPES.len());
                 self.loader.start(Job::Shape(SHAPES[next].name), ctx);
             }
+            Command::NextBackdrop => {
+                let here = self.editor.backdrop().and_then(|shown| BACKDROPS.iter().position(|def| def.name == shown.name));
+                let next = BACKDROPS.get(here.map_or(0, |index| index + 1));
+                self.editor.set_backdrop(next);
+                self.messages.info(format!("Backdrop: {}", next.map_or(AS_IT_COMES, |def| def.label)));
+            }
             Command::NextEnvironment => {
                 let name = self.editor.environment.as_ref().map(|environment| environment.name.as_str());
                 let here = ENVIRONMENTS.iter().position(|def| Some(def.label) == name);
@@ -334,7 +340,7 @@ impl App {
         }
         self.collect_exports(ctx);
         while let Some(done) = self.loader.poll() {
-            self.loaded(done);
+            self.loaded(done, ctx);
         }
         self.small.collect();
     }

@@ -1,39 +1,49 @@
-//! Pictures and turntables of what the window shows: from the settings of the panel to a thread, and what comes back.
+//! Pictures and turntables of what the window shows: from the settings of the panel to a thread, or to the queue before it.
 
 use super::App;
-use super::pages::{Answer, question};
+use crate::background::Background;
 use crate::dialogs::Purpose;
 use crate::dock::Pane;
 use crate::export::Format;
 use crate::files::texture_path;
-use crate::live_export::{LiveExport, News, Task, Unwritten};
+use crate::live_export::{LiveExport, Row, Task, Unwritten, Waiting, begun};
 use crate::live_final::{LiveFinal, SEED};
-use crate::offline::OfflineError;
 use crate::offline::loaded_scene::{LoadedScene, Origin};
 use crate::offline::picture::{Order, View};
 use crate::offline::picture_options::PictureOptions;
-use crate::offline::turntable::{KEEP_GIB, TurntableOrder};
-use crate::panels::export::turntable::percent;
-use crate::panels::export::{Around, ExportAction, ExportPanel, Kind};
+use crate::offline::turntable::{Begun, KEEP_GIB, TurntableOrder};
+use crate::panels::export::{Around, ExportAction, ExportPanel, Kind, Queued};
 use crate::panels::hold;
 use crate::picture_job::Stop;
 use crate::work::{Ends, Work};
 use burnish_renderer::path::StopRules;
 use egui::{Context, Ui};
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// The panel, what is being made, and what waits for an answer.
 #[derive(Default)]
 pub(super) struct Exporting {
     pub panel: ExportPanel,
     pub live: LiveExport,
+    /// The turntable that is being made or predicted, or was last.
+    pub table: Table,
+    /// Whether a folder that was chosen has a turntable that was begun before.
+    pub looking: Background<Option<(Begun, Vec<Row>)>>,
     /// What goes on once the folder is chosen.
-    after_folder: Option<ExportAction>,
+    pub after_folder: Option<ExportAction>,
     /// Whether closing the window waits for an answer.
-    is_asking: bool,
+    pub is_asking: bool,
     /// A picture that could not be written where it should be.
-    unwritten: Option<Unwritten>,
+    pub unwritten: Option<Unwritten>,
+}
+
+/// A turntable as it is made; the panel may be set to another one meanwhile.
+#[derive(Default)]
+pub(super) struct Table {
+    pub folder: PathBuf,
+    /// What ends a frame.
+    pub rules: StopRules,
+    pub rows: Vec<Row>,
 }
 
 impl Exporting {
@@ -48,6 +58,8 @@ impl Exporting {
         let text = step.text();
         let title = if self.live.is_ending() { format!("Ending: {}", title.to_lowercase()) } else { title.to_owned() };
         let text = if text.is_empty() { title } else { format!("{title}: {text}") };
+        let waiting = self.live.waiting().len();
+        let text = if waiting > 0 { format!("{text}; {waiting} more in the queue") } else { text };
         Some(Work { text, progress: step.share.map(|share| share as f32), remaining: step.remaining, ends: Some(Ends::Export) })
     }
 }
@@ -68,19 +80,25 @@ impl App {
         self.exporting.work()
     }
 
-    /// Whether a picture or a turntable is being made.
+    /// Whether a picture or a turntable is being made, or will be without anybody doing anything.
     pub fn is_exporting(&self) -> bool {
-        self.exporting.live.now().is_some()
+        let Exporting { live, looking, unwritten, .. } = &self.exporting;
+        live.now().is_some() || looking.is_running() || (live.waiting().len() > 0 && unwritten.is_none())
     }
 
     pub(super) fn export_pane(&mut self, ui: &mut Ui) {
         let (width, height) = self.picture_size;
+        let queued = |waiting: &Waiting| {
+            let (number, text, target) = (waiting.number, waiting.text(), waiting.target().to_path_buf());
+            Queued { number, text, target }
+        };
         let around = Around {
             view_size: [width.max(1), height.max(1)],
             display: &mut self.editor.view.display,
             has_preview: self.preview.problem().is_none(),
             work: self.exporting.work(),
             is_ending: self.exporting.live.is_ending(),
+            queue: self.exporting.live.waiting().map(queued).collect(),
         };
         let panel = &mut self.exporting.panel;
         if let Some(action) = hold(ui, |ui| panel.show(ui, around)) {
@@ -105,17 +123,22 @@ impl App {
             }
             ExportAction::Predict | ExportAction::Start => {
                 panel.kind = Kind::Turntable;
-                if let Some(order) = self.turntable_order() {
-                    let is_start = action == ExportAction::Start;
-                    self.start_export(if is_start { Task::Turntable(order) } else { Task::Predict(order) }, ctx);
+                match self.turntable_order() {
+                    Some(order) if action == ExportAction::Start => self.queue_export(Task::Turntable(order), ctx),
+                    Some(order) => self.start_export(Task::Predict(order), ctx),
+                    None => {}
                 }
             }
             ExportAction::WriteElsewhere => {
                 let format = panel.format;
                 self.ask(Purpose::WriteElsewhere(format), ctx);
             }
-            ExportAction::Discard => self.drop_unwritten(),
+            ExportAction::Discard => {
+                self.drop_unwritten();
+                self.go_on_exporting(ctx);
+            }
             ExportAction::Cancel => self.end_work(Ends::Export, ctx),
+            ExportAction::Remove(number) => self.exporting.live.remove(number),
         }
     }
 
@@ -130,7 +153,7 @@ impl App {
                 order.options = PictureOptions { display_transform, bits, half, ..PictureOptions::default() };
                 order.stop = Stop { seconds, ..Stop::default() };
             }
-            self.start_export(Task::Picture(order, view, path), ctx);
+            self.queue_export(Task::Picture(order, view, path), ctx);
         }
     }
 
@@ -156,19 +179,45 @@ impl App {
             (panel.prediction, panel.rows) = (None, Vec::new());
         }
         panel.folder = Some(folder.clone());
-        if self.can_render() {
-            self.start_export(Task::Look(folder), ctx);
-        } else {
-            self.exporting.forget_answer();
+        self.exporting.looking.start("Looking into the folder", ctx, move |_| begun(&folder));
+    }
+
+    /// Makes this once what is before it is done, which is at once where there is nothing.
+    fn queue_export(&mut self, task: Task, ctx: &Context) {
+        let text = task.text();
+        if let Err(problem) = self.exporting.live.queue(task) {
+            return self.messages.error(problem);
+        }
+        self.go_on_exporting(ctx);
+        let waiting = self.exporting.live.waiting().len();
+        if waiting > 0 {
+            self.messages.info(format!("Queued {text}, number {waiting} of what waits."));
+        }
+    }
+
+    /// Begins with what waits first. Not before it is said what becomes of a picture that could not be written: the next may not be either.
+    pub(super) fn go_on_exporting(&mut self, ctx: &Context) {
+        if self.exporting.unwritten.is_none()
+            && let Some(task) = self.exporting.live.take_next()
+        {
+            self.start_export(task, ctx);
         }
     }
 
     fn start_export(&mut self, task: Task, ctx: &Context) {
         let is_heavy = task.is_heavy();
+        let table = match &task {
+            Task::Predict(order) | Task::Turntable(order) => {
+                Some(Table { folder: order.out.clone(), rules: order.frame.rules(), rows: Vec::new() })
+            }
+            Task::Picture(..) | Task::Write(..) => None,
+        };
         match self.exporting.live.start(task, ctx) {
-            // Both would take twice as long, and a time limit would mean half of the samples.
-            Ok(()) if is_heavy => self.final_view.iter_mut().for_each(LiveFinal::hold),
-            Ok(()) => {}
+            Ok(()) => {
+                self.exporting.table = table.unwrap_or_default();
+                // Both would take twice as long, and a time limit would mean half of the samples.
+                self.final_view.iter_mut().filter(|_| is_heavy).for_each(LiveFinal::hold);
+            }
             Err(problem) => self.messages.error(problem),
         }
     }
@@ -201,6 +250,7 @@ impl App {
         let [mesh, environment] = editor.places.clone();
         let origin = Origin {
             mesh,
+            backdrop: editor.backdrop(),
             environment,
             replaces_material: true,
             unit_mm: editor.model.as_ref().map(|model| model.unit_mm),
@@ -219,101 +269,6 @@ impl App {
             threads: self.preferences.threads.unwrap_or_else(threads),
             stop: Stop { spp: stop.spp, seconds: stop.seconds, relmse: stop.relmse },
         })
-    }
-
-    /// Whether the window stays open until it is said what becomes of a rendering.
-    pub(super) fn asks_to_end_rendering(&mut self) -> bool {
-        self.exporting.is_asking = !self.can_render() && !self.exporting.live.is_ending();
-        self.exporting.is_asking
-    }
-
-    /// Asks before closing whether a rendering is to end.
-    pub(super) fn ask_about_rendering(&mut self, ctx: &Context) {
-        self.exporting.is_asking &= !self.can_render();
-        if !self.exporting.is_asking {
-            return;
-        }
-        let answers = [("End it and quit", "A turntable goes on from there another day"), ("Go on rendering", "")];
-        let answer = question(ctx, "Still rendering", &answers, |ui| {
-            ui.label("A picture or turntable is being rendered.");
-        });
-        match answer {
-            Answer::Waiting => return,
-            Answer::Chosen(0) => {
-                self.end_work(Ends::Export, ctx);
-                self.close_window(ctx);
-            }
-            Answer::Chosen(_) | Answer::None => {}
-        }
-        self.exporting.is_asking = false;
-    }
-
-    /// Takes what was made in the background.
-    pub(super) fn collect_exports(&mut self, ctx: &Context) {
-        if self.can_render() && self.final_view.as_ref().is_some_and(LiveFinal::is_held) {
-            // Everything is told to it again.
-            self.sent = None;
-        }
-        if !self.can_render() {
-            // The thread may know only a window that was opened anew since.
-            ctx.request_repaint_after(Duration::from_millis(250));
-        }
-        let mut after = None;
-        for news in self.exporting.live.collect() {
-            let panel = &mut self.exporting.panel;
-            match news {
-                News::Warning(sentence) => self.messages.warning(sentence),
-                News::Rows(rows) => panel.rows = rows,
-                News::Row(place, row) => {
-                    if let Some(old) = panel.rows.get_mut(place) {
-                        *old = row;
-                    }
-                }
-                News::Begun(begun, rows) => {
-                    if let Some(begun) = begun {
-                        self.messages.info(format!("The folder has a turntable of {} frames, which can go on.", begun.frames));
-                        (panel.frames, panel.turn, panel.degrees) = (begun.frames, begun.turn, begun.degrees);
-                        (panel.format, panel.size, panel.options) = (begun.format, Some(begun.size), begun.options);
-                        panel.rows = rows;
-                    }
-                    // What asked for the folder goes on.
-                    after = self.exporting.after_folder.take();
-                }
-                News::Wrote(files, text) => {
-                    let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
-                    self.messages.info(format!("Wrote {}: {text}", names.join(", ")));
-                    panel.last = files.into_iter().next().map(|path| (path, text));
-                }
-                News::Predicted(Some(prediction), due) => {
-                    self.messages.info(prediction.text(due));
-                    panel.prediction = Some((prediction, due));
-                }
-                News::Predicted(None, _) => self.messages.info("All frames are finished: there is nothing to predict."),
-                News::Ended(done, all) => {
-                    panel.prediction = None;
-                    let (limited, _) = panel.due();
-                    let goal = panel.frame_stop.relmse.map_or_else(String::new, |relmse| format!(" to {}", percent(relmse)));
-                    let more = match (done == all, limited) {
-                        (true, _) => String::new(),
-                        (false, 0) => "; starting again goes on from there".to_owned(),
-                        (false, limited) => format!("; {limited} hit their time limit and can be resumed{goal}"),
-                    };
-                    let folder = panel.folder.as_ref().map_or_else(String::new, |folder| folder.display().to_string());
-                    self.messages.info(format!("Turntable in {folder}: {done} of {all} frames are finished{more}."));
-                }
-                News::Unwritten(unwritten, error) => {
-                    self.messages
-                        .error(format!("Not written: {error}. The picture is kept; the Export panel writes it elsewhere."));
-                    panel.has_unwritten = true;
-                    self.exporting.unwritten = Some(unwritten);
-                }
-                News::Failed(OfflineError::Cancelled) => self.messages.info("Rendering was ended; nothing was written."),
-                News::Failed(error) => self.messages.error(format!("Not rendered: {error}")),
-            }
-        }
-        if let Some(action) = after {
-            self.export(action, ctx);
-        }
     }
 
     /// Whether nothing is being made, so that something can begin.

@@ -16,7 +16,7 @@ impl App {
 
     /// Makes a sheet or pack of the open library.
     pub(super) fn hand_out(&mut self, purpose: Purpose, path: PathBuf, ctx: &Context) {
-        if self.library_work.export.is_some() {
+        if self.library_work.export.is_running() {
             return self.messages.warning("A sheet or pack is still being made; try again when it is done.");
         }
         let product = match purpose {
@@ -26,19 +26,18 @@ impl App {
         };
         // What is edited comes first, so not on all threads.
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get().div_ceil(2));
-        let wake = ctx.clone();
-        self.library_work.export =
-            self.library().and_then(|library| library.export(product, threads, move || wake.request_repaint()));
-        if self.library_work.export.is_none() {
-            self.messages.warning("The library is still being read; try again in a moment.");
-        }
+        let Some(order) = self.library().and_then(|library| library.export(product, threads)) else {
+            return self.messages.warning("The library is still being read; try again in a moment.");
+        };
+        self.library_work.export.start("Library", ctx, move |control| {
+            order.run(&|stage, progress| control.tell_stage(stage, progress.done, progress.total), &|| control.is_cancelled())
+        });
     }
 
     /// Says what became of a sheet or pack. Once per frame.
     pub(super) fn collect_hand_out(&mut self) {
-        let Some(outcome) = self.library_work.export.as_ref().and_then(|export| export.poll()) else { return };
-        self.library_work.export = None;
-        match outcome {
+        let Some(outcome) = self.library_work.export.poll() else { return };
+        match outcome.unwrap_or_else(|_| Err("nothing was made, because the program failed at it".to_owned())) {
             Ok(Some((sentence, warnings))) => {
                 warnings.into_iter().for_each(|warning| self.messages.warning(warning));
                 self.messages.info(sentence);
@@ -50,16 +49,12 @@ impl App {
 
     /// The sheet or pack that is being made.
     pub(super) fn hand_out_work(&self) -> Option<Work> {
-        let (what, share) = self.library_work.export.as_ref()?.stage();
-        let text = if what.is_empty() { "Library".to_owned() } else { format!("Library: {}", what.to_lowercase()) };
-        Some(Work { progress: Some(share), ends: Some(Ends::HandOut), ..Work::new(text) })
+        self.library_work.export.work(Ends::HandOut)
     }
 
     /// Ends making it.
     pub(super) fn end_hand_out(&mut self) {
-        if let Some(export) = &self.library_work.export {
-            export.cancel();
-        }
+        self.library_work.export.end();
     }
 }
 

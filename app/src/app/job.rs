@@ -104,6 +104,7 @@ impl App {
             job.scene.camera = scene.camera.into();
             job.scene.max_bounces = scene.max_bounces;
             job.scene.replaces_material = true;
+            job.scene.backdrop = editor.backdrop().map(|def| def.name.to_owned());
             job.scene.unit_mm = editor.model.as_ref().map(|model| model.unit_mm);
         }
         job.exposure_ev = editor.view.display.exposure_ev;

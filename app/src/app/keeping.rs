@@ -173,7 +173,7 @@ impl App {
         self.keeping.stored = Some(Instant::now());
     }
 
-    /// Watches the files of all documents, and says what other programs did to them.
+    /// Watches the files of all documents and the folder of the library, and says what other programs did to them.
     fn mind_files(&mut self, ctx: &Context) {
         let Some(watch) = &self.keeping.watch else { return };
         let mut paths = BTreeSet::new();
@@ -183,11 +183,16 @@ impl App {
             let maps = maps.filter(|map| !map.path.is_empty());
             paths.extend(maps.filter_map(|map| crate::files::texture_path(&map.path, document.folder())));
         }
+        paths.extend(self.library().map(|library| library.root().to_path_buf()));
         if paths != self.keeping.watched {
             watch.set(paths.iter().cloned());
             self.keeping.watched = paths;
         }
         for path in watch.poll() {
+            if self.library().is_some_and(|library| library.root() == path) {
+                self.look_for_changes();
+                continue;
+            }
             self.changed_outside(&path, ctx);
         }
     }

@@ -1,12 +1,13 @@
 //! The open library: its panel, edits of its files as steps that can be taken back, and the pages about it.
 
 use super::App;
+use crate::background::Background;
 use crate::dialogs::Purpose;
 use crate::dock::Pane;
 use crate::files;
 use crate::library::Library;
 use crate::library::edit::{self, BatchEdit, Planned};
-use crate::library::export::Export;
+use crate::library::export::Outcome;
 use crate::loading::Job;
 use crate::own_files;
 use crate::pages::Page;
@@ -51,7 +52,7 @@ pub(super) struct LibraryWork {
     renamed: Option<(PathBuf, String)>,
     measured: MeasuredPage,
     /// The contact sheet or pack that is being made.
-    pub(super) export: Option<Export>,
+    pub(super) export: Background<Outcome>,
 }
 
 impl LibraryWork {

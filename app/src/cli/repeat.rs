@@ -11,7 +11,7 @@ use crate::offline::tiles;
 use crate::picture_file::embedded_job;
 use crate::picture_job::{PROGRAM, PictureJob, Source, folder_of, hash_of};
 use crate::scene_file::{MAX_SIDE, MAX_TILED_PIXELS};
-use burnish_assets::{make_environment, make_shape};
+use burnish_assets::{BackdropDef, make_environment, make_shape};
 use burnish_renderer::path::SPP_MAX;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -97,6 +97,7 @@ fn scene_options(picture: &Path, job: &PictureJob, arguments: &RenderArguments) 
     let scene = text(picture, "scene", source.scene.as_ref(), |_| false)?.map(PathBuf::from);
     Ok(SceneOptions {
         mesh: text(picture, "mesh", source.mesh.as_ref(), |name| make_shape(name).is_some())?,
+        backdrop: backdrop(picture, source.backdrop.as_deref())?,
         environment: text(picture, "environment", source.environment.as_ref(), |name| make_environment(name).is_some())?,
         scene,
         unit_mm: source.unit_mm,
@@ -106,6 +107,18 @@ fn scene_options(picture: &Path, job: &PictureJob, arguments: &RenderArguments) 
         threads: arguments.scene.threads,
         ..SceneOptions::default()
     })
+}
+
+/// A built-in backdrop by its name.
+fn backdrop(picture: &Path, name: Option<&str>) -> Result<Option<&'static BackdropDef>, CliError> {
+    let Some(name) = name else { return Ok(None) };
+    let unknown = || {
+        CliError::unusable(format!(
+            "{}: shows the built-in backdrop `{name}`, which this version does not have",
+            picture.display()
+        ))
+    };
+    BackdropDef::named(name).map(Some).ok_or_else(unknown)
 }
 
 /// What an option would say to mean the same; an error where that is not there any more or has changed.

@@ -9,8 +9,8 @@ use crate::offline::loaded_scene::Origin;
 use crate::picture_job::Place;
 use crate::scene_file::{DOCUMENT_MATERIAL, MAX_PIXELS, MAX_SIDE, MAX_TILED_PIXELS, load_scene};
 use burnish_assets::{
-    ENVIRONMENTS, Environment, Model, SHAPES, is_environment_path, is_model_path, load_environment, load_model, make_environment,
-    make_shape,
+    BACKDROPS, BackdropDef, ENVIRONMENTS, Environment, Model, SHAPES, is_environment_path, is_model_path, load_environment,
+    load_model, make_environment, make_shape,
 };
 use burnish_renderer::scene::{Camera, EnvironmentLight, ModelMeshes, Object, Scene};
 use clap::Args;
@@ -30,6 +30,9 @@ pub struct SceneOptions {
     /// Built-in mesh, or a .gltf, .glb or .ply file
     #[arg(long, value_name = "NAME|FILE", conflicts_with = "scene")]
     pub mesh: Option<String>,
+    /// What the mesh stands on [default: what it brings: tiles for most built-in ones, nothing for files]
+    #[arg(long, value_name = "none|tiles|grey-sweep", conflicts_with = "scene", value_parser = backdrop)]
+    pub backdrop: Option<&'static BackdropDef>,
     /// Built-in environment, or a latitude-longitude .hdr or .exr file
     #[arg(long, value_name = "NAME|FILE")]
     pub environment: Option<String>,
@@ -145,6 +148,8 @@ impl SceneOptions {
     /// The default scene, or what the options make of it, around a material.
     fn scene_of_model(&self, material: LoadedMaterial, origin: &mut Origin, messages: &mut Messages) -> Result<Scene, CliError> {
         let model = self.model(origin, messages)?;
+        origin.backdrop = self.backdrop;
+        let model = self.backdrop.map_or_else(|| model.clone(), |backdrop| model.on(backdrop));
         let map = match &self.environment {
             Some(text) => environment(text, origin, messages)?,
             None => {
@@ -295,6 +300,11 @@ pub fn finite(text: &str) -> Result<f64, String> {
 /// A finite number above 0, for options.
 pub fn positive(text: &str) -> Result<f64, String> {
     parse_number(text).filter(|x| *x > 0.0).ok_or_else(|| "expected a number above 0".to_owned())
+}
+
+fn backdrop(text: &str) -> Result<&'static BackdropDef, String> {
+    let names = || BACKDROPS.iter().map(|def| def.name).collect::<Vec<_>>().join(", ");
+    BackdropDef::named(text).ok_or_else(|| format!("expected one of {}", names()))
 }
 
 fn field_of_view(text: &str) -> Result<f64, String> {

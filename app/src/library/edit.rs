@@ -210,6 +210,14 @@ pub fn unite(path: &Path, other: &Path) -> Planned {
                     text.clone_from(other);
                 }
             }
+            for (format, texts) in &theirs.foreign {
+                for (key, text) in texts {
+                    if material.foreign_text(format, key).is_none() {
+                        // What is too much stays out; the file that goes can be brought back.
+                        _ = material.set_foreign(format, key, Some(text.clone()));
+                    }
+                }
+            }
         })?;
         let kept = FileEdit { before: Some(before), after: Some(Content { path: path.to_path_buf(), text }) };
         Ok([kept, FileEdit { before: Some(gone), after: None }])

@@ -214,7 +214,7 @@ pub(super) fn values_hash(material: &Material, textures: &[String]) -> Digest {
     for (def, (property, slot)) in PROPERTIES.iter().zip(material.slots()) {
         let value = material.value(property);
         all.text(def.name).numbers(value.numbers()).whole(&[u64::from(value == Value::Bool(true))]);
-        if let Some(TextureRef { path, channel, color_space, is_inverted, wrap, uv_scale, uv_offset, uv_rotation }) =
+        if let Some(TextureRef { path, channel, color_space, is_inverted, scale, bias, wrap, uv_scale, uv_offset, uv_rotation }) =
             &slot.texture
         {
             let place = textures.iter().position(|known| known == path);
@@ -223,6 +223,10 @@ pub(super) fn values_hash(material: &Material, textures: &[String]) -> Digest {
                 .text(color_space.word())
                 .text(wrap.word());
             all.numbers(uv_scale).numbers(uv_offset).numbers(&[*uv_rotation]);
+            // Left out at their defaults, so that small pictures made before there were scales keep their names.
+            if (*scale, *bias) != ([1.0; 3], [0.0; 3]) {
+                all.text("scale").numbers(scale).numbers(bias);
+            }
         }
     }
     all.end()
@@ -258,6 +262,20 @@ mod tests {
         assert_eq!(painted.textures, ["a.png"], "{:?}", painted.problem);
         painted.set_images(&[Some(Digest::of(b"pixels"))]);
         assert_ne!(painted.look, before);
+    }
+
+    #[test]
+    fn scales_of_textures_are_seen_where_they_are_not_the_default() {
+        let look = |settings: &str| {
+            let entry = entry(&format!(r#"{{"properties": {{"roughness": {{"texture": {{"path": "a.png"{settings}}}}}}}}}"#));
+            assert_eq!(entry.problem, None);
+            entry.look
+        };
+        // The name that small pictures of this texture had before there were scales.
+        assert_eq!(look("").to_string(), "484fa7bee257943252acdc4f5674bf61");
+        assert_eq!(look(r#", "scale": 1.0, "bias": (0.0, 0.0, -0.0)"#), look(""));
+        let looks = [look(""), look(r#", "scale": 0.5"#), look(r#", "bias": 0.5"#), look(r#", "scale": (1.0, 0.5, 1.0)"#)];
+        assert!((1..looks.len()).all(|k| !looks[..k].contains(&looks[k])), "{looks:?}");
     }
 
     #[test]

@@ -1,10 +1,9 @@
-//! Contact sheets and packs of an open library, made on a thread of their own while the window goes on.
+//! Contact sheets and packs of an open library, made on another thread while the window goes on.
 
 use super::check::{Options, Shelved, check_library};
 use super::entry::Entry;
-use super::maker::Maker;
+use super::maker::{Limits, Maker};
 use super::pack::{self, Pack};
-use super::pictures::Wake;
 use super::scan::Progress;
 use super::setup::{DEFAULT_SECONDS, Setup};
 use super::sheet::{Sheet, is_page};
@@ -12,9 +11,7 @@ use super::shelf::{Shelf, State};
 use crate::files::save_atomic;
 use burnish_material::Severity;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// What is made.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,77 +23,23 @@ pub enum Product {
 }
 
 /// A library as it is when something is made of it.
-pub(super) struct Order {
-    pub root: PathBuf,
-    pub entries: Vec<Arc<Entry>>,
+pub struct Order {
+    pub(super) root: PathBuf,
+    pub(super) entries: Vec<Arc<Entry>>,
     /// Where its small pictures lie; without, none are made.
-    pub pictures: Option<PathBuf>,
-    pub setup: Arc<Setup>,
-    pub threads: usize,
-    pub product: Product,
+    pub(super) pictures: Option<PathBuf>,
+    pub(super) setup: Arc<Setup>,
+    pub(super) threads: usize,
+    pub(super) product: Product,
 }
 
 /// What became of it: a sentence and warnings, `None` if it was cancelled, or why it could not be made.
 pub type Outcome = Result<Option<(String, Vec<String>)>, String>;
 
-/// What is being made.
-pub struct Export {
-    stage: Arc<Mutex<(String, Progress)>>,
-    is_cancelled: Arc<AtomicBool>,
-    outcome: Receiver<Outcome>,
-}
-
-impl Export {
-    /// Starts the thread.
-    pub(super) fn start(order: Order, wake: Wake) -> Self {
-        let (sender, outcome) = channel();
-        let export = Self { stage: Arc::default(), is_cancelled: Arc::default(), outcome };
-        let (stage, is_cancelled) = (export.stage.clone(), export.is_cancelled.clone());
-        let tell_wake = wake.clone();
-        let work = move || {
-            let tell = |what: &str, progress: Progress| {
-                *stage.lock().unwrap_or_else(PoisonError::into_inner) = (what.to_owned(), progress);
-                tell_wake();
-            };
-            let outcome = order.run(&tell, &|| is_cancelled.load(Ordering::Relaxed));
-            // Nobody listens where the window has closed.
-            _ = sender.send(outcome);
-            wake();
-        };
-        // Without a thread nothing is ever sent, and `poll` says so.
-        _ = std::thread::Builder::new().name("library export".to_owned()).spawn(work);
-        export
-    }
-
-    /// What is being done, and how much of that is done, 0 to 1.
-    pub fn stage(&self) -> (String, f32) {
-        let (what, Progress { done, total }) = self.stage.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        (what, done as f32 / total.max(1) as f32)
-    }
-
-    /// Ends it; the pictures that were made are kept.
-    pub fn cancel(&self) {
-        self.is_cancelled.store(true, Ordering::Relaxed);
-    }
-
-    /// What became of it, once that is known.
-    pub fn poll(&self) -> Option<Outcome> {
-        match self.outcome.try_recv() {
-            Ok(outcome) => Some(outcome),
-            Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err("nothing was made, because the program failed at it".to_owned())),
-        }
-    }
-}
-
-impl Drop for Export {
-    fn drop(&mut self) {
-        self.cancel();
-    }
-}
-
 impl Order {
-    fn run(&self, tell: &pack::Tell<'_>, is_cancelled: &(dyn Fn() -> bool + Sync)) -> Outcome {
+    /// Makes it. `tell` hears what is being done and how much of that is done; after a yes of `is_cancelled` it ends, and the pictures that were
+    /// made are kept.
+    pub fn run(&self, tell: &pack::Tell<'_>, is_cancelled: &(dyn Fn() -> bool + Sync)) -> Outcome {
         let mut shelf = self.pictures.as_deref().map_or_else(Shelf::default, Shelf::open);
         if let Product::Pack(target) = &self.product {
             pack::refuse(target, &self.root).map_err(|error| error.to_string())?;
@@ -151,7 +94,7 @@ impl Order {
     ) -> bool {
         let needs = |entry: &&Arc<Entry>| entry.problem.is_none() && shelf.state(entry, self.setup.digest()) != State::Fresh;
         let entries: Vec<Arc<Entry>> = self.entries.iter().filter(needs).filter(|_| self.pictures.is_some()).cloned().collect();
-        let mut maker = Maker::new(&self.root, &self.setup, self.threads, DEFAULT_SECONDS);
+        let mut maker = Maker::new(&self.root, &self.setup, Limits { seconds: DEFAULT_SECONDS, threads: self.threads });
         for (done, entry) in entries.iter().enumerate() {
             tell("Small pictures", Progress { done, total: entries.len() });
             // Two materials may look the same.

@@ -29,7 +29,7 @@ pub use shelf::State;
 use crate::digest::Digest;
 use crate::places::Places;
 use crate::thumbnails::Thumbnail;
-use export::{Export, Order, Product};
+use export::{Order, Product};
 use index::Index;
 use marks::Marks;
 use pictures::{Making, Pictures, Wake};
@@ -261,16 +261,16 @@ impl Library {
 
     /// Whether the small picture of an entry shows it as it is.
     pub fn state(&self, entry: &Entry) -> State {
-        self.setup.as_ref().map_or(State::Missing, |setup| self.shelf.state(entry, setup.digest()))
+        self.setup.as_ref().map_or(State::Missing, |setup| self.pictures.best(entry, &self.shelf, setup.digest()).0)
     }
 
-    /// The small picture of an entry if it is in memory: the fresh one, else an older one.
+    /// The small picture of an entry if it is in memory: the fresh one, else a draft or an older one.
     pub fn picture(&self, entry: &Entry) -> Option<&Thumbnail> {
-        self.pictures.get(self.shelf.best(entry, self.setup.as_ref()?.digest())?)
+        self.pictures.get(self.pictures.best(entry, &self.shelf, self.setup.as_ref()?.digest()).1?)
     }
 
-    /// Tells which entries are in sight. Their pictures are loaded and, if `makes` says so, made where they are missing or stale, in this order;
-    /// a picture that is being made of something else is given up. To be called in each frame.
+    /// Tells which entries are in sight. Their pictures are loaded and, if `makes` says so, made where they are missing or stale, the quick
+    /// ones first; a picture that is being made of something else is given up. To be called in each frame.
     pub fn show(&mut self, numbers: &[usize], makes: bool) {
         let Some(setup) = &self.setup else { return };
         let entries: Vec<&Arc<Entry>> = numbers.iter().filter_map(|number| self.entries.get(*number)).collect();
@@ -307,18 +307,16 @@ impl Library {
         self.setup.as_ref()
     }
 
-    /// Makes a contact sheet or a pack of what is known by now, on a thread of its own that renders on `threads` threads. `wake` is called
-    /// there when there is something to poll. `None` in the first moments.
-    pub fn export(&self, product: Product, threads: usize, wake: impl Fn() + Send + Sync + 'static) -> Option<Export> {
-        let order = Order {
+    /// What makes a contact sheet or a pack of what is known by now, on any thread, rendering on `threads` threads. `None` in the first moments.
+    pub fn export(&self, product: Product, threads: usize) -> Option<Order> {
+        Some(Order {
             root: self.root.clone(),
             entries: self.entries.clone(),
             pictures: self.places.pictures.clone(),
             setup: self.setup.clone().filter(|_| self.progress.is_none())?,
             threads,
             product,
-        };
-        Some(Export::start(order, Arc::new(wake)))
+        })
     }
 
     /// Favourites and recent files.

@@ -1,30 +1,32 @@
 //! Small pictures for a window: loaded from disk and made on two threads, kept in memory up to a bound.
 
+mod loader;
+mod renderer;
+mod slices;
 #[cfg(test)]
 mod tests;
 
+pub use loader::load;
+
 use super::entry::Entry;
+use super::maker::Renderer;
 use super::queue::Queue;
-use super::setup::{self, DEFAULT_SECONDS, DRAFT_SECONDS, Setup};
+use super::setup::Setup;
 use super::shelf::{Shelf, State};
 use crate::digest::Digest;
 use crate::thumbnails::Thumbnail;
-use burnish_renderer::path::{Prepared, StopReason};
-use image::ImageReader;
+use loader::Loader;
+use renderer::PictureThread;
+use slices::{SLICES, Slices};
 use std::collections::{HashMap, HashSet, VecDeque};
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Bytes of pictures in memory; those that were out of sight longest go first.
 pub const MAX_BYTES: usize = 128 << 20;
-/// Larger files are none of ours.
-const MAX_FILE_BYTES: u64 = 64 << 20;
-/// Wider or higher pictures are not shown.
-const MAX_SIDE: u32 = 2048;
 
 /// Look and setup.
 pub type Key = (Digest, Digest);
@@ -68,18 +70,36 @@ pub struct Making {
     pub limited: Vec<PathBuf>,
 }
 
+/// What a picture is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Purpose {
+    /// To have something to look at before the real one; it is not kept on disk.
+    Draft,
+    /// To be looked at now.
+    Sight,
+    /// To be there later, together with many others.
+    Batch,
+}
+
 /// A picture to make.
 #[derive(Clone)]
 struct Order {
     entry: Arc<Entry>,
     setup: Arc<Setup>,
-    /// Whether a better one follows: this one is made to have something to look at, and not kept on disk.
-    is_draft: bool,
+    purpose: Purpose,
+}
+
+impl Order {
+    fn key(&self) -> Key {
+        (self.entry.look, self.setup.digest())
+    }
 }
 
 /// Pictures in memory, and those that will be.
 pub struct Pictures {
     made: HashMap<Key, Thumbnail>,
+    /// Setups of the drafts in memory, by look.
+    drafts: HashMap<Digest, Digest>,
     /// Keys of `made`, longest out of sight first.
     order: VecDeque<Key>,
     bytes: usize,
@@ -107,16 +127,17 @@ impl Pictures {
         let (loads, makes): (Arc<Queue<Key>>, Arc<Queue<Order>>) = Default::default();
         let shelf = folder.map(Shelf::empty);
         let loader = Loader { shelf: shelf.clone(), queue: loads.clone(), sender: sender.clone(), wake: wake.clone() };
-        let (may_make, made) = (Arc::<Mutex<HashSet<Digest>>>::default(), HashSet::new());
+        let may_make = Arc::<Mutex<HashSet<Digest>>>::default();
         // One thread unless somebody says otherwise: what is edited comes first.
         let threads = Arc::new(AtomicUsize::new(1));
-        let maker = Maker {
-            root: root.to_path_buf(),
+        let maker = PictureThread {
+            renderer: Renderer::new(root),
             shelf,
             queue: makes.clone(),
             may_make: may_make.clone(),
             threads: threads.clone(),
-            made,
+            made: HashSet::new(),
+            slices: Slices::new(SLICES, slices::MAX_BYTES),
             sender,
             wake,
         };
@@ -125,6 +146,7 @@ impl Pictures {
         _ = std::thread::Builder::new().name("library renderer".to_owned()).spawn(move || maker.run());
         Self {
             made: HashMap::new(),
+            drafts: HashMap::new(),
             order: VecDeque::new(),
             bytes: 0,
             shown: Vec::new(),
@@ -147,16 +169,28 @@ impl Pictures {
         self.made.get(&key)
     }
 
+    /// How well the picture of an entry shows it in a setup, and which picture that is: the fresh one, else one in another setup, else a draft, else
+    /// one of how it looked before.
+    pub fn best(&self, entry: &Entry, shelf: &Shelf, setup: Digest) -> (State, Option<Key>) {
+        let kept = shelf.best(entry, setup);
+        let draft = self.drafts.get(&entry.look).map(|setup| (entry.look, *setup));
+        let is_of_now = kept.is_some_and(|(look, _)| look == entry.look);
+        match draft.filter(|_| entry.problem.is_none() && !is_of_now) {
+            Some(draft) => (State::Draft, Some(draft)),
+            None => (shelf.state(entry, setup), kept),
+        }
+    }
+
     /// Bytes of the pictures in memory.
     pub fn memory_bytes(&self) -> usize {
         self.bytes
     }
 
     /// Orders the pictures of entries that are in sight, instead of what was ordered before: drafts of looks that there is no picture of,
-    /// then all that are not fresh.
+    /// then all that are not fresh, in slices of time that grow, so that none waits long for others.
     pub fn want(&mut self, entries: &[&Arc<Entry>], shelf: &Shelf, setup: &Arc<Setup>, makes: bool) {
         let digest = setup.digest();
-        let shown: Vec<Key> = entries.iter().filter_map(|entry| shelf.best(entry, digest)).collect();
+        let shown: Vec<Key> = entries.iter().filter_map(|entry| self.best(entry, shelf, digest).1).collect();
         let needs = |entry: &&&Arc<Entry>| {
             makes && entry.problem.is_none() && !self.hopeless.contains(&entry.look) && shelf.state(entry, digest) != State::Fresh
         };
@@ -168,15 +202,16 @@ impl Pictures {
         }
         let keys: Vec<Key> = in_sight.iter().map(|entry| (entry.look, digest)).collect();
         if self.ordered.as_ref() != Some(&keys) {
-            let order = |entry: &&&Arc<Entry>, setup: &Arc<Setup>, is_draft| Order {
+            let order = |entry: &&&Arc<Entry>, setup: &Arc<Setup>, purpose| Order {
                 entry: (**entry).clone(),
                 setup: setup.clone(),
-                is_draft,
+                purpose,
             };
             let draft = Arc::new(setup.draft());
+            let has_none = |entry: &&&&Arc<Entry>| !shelf.has_any(entry.look) && !self.drafts.contains_key(&entry.look);
             let mut orders: VecDeque<Order> =
-                in_sight.iter().filter(|entry| !shelf.has_any(entry.look)).map(|entry| order(entry, &draft, true)).collect();
-            orders.extend(in_sight.iter().map(|entry| order(entry, setup, false)));
+                in_sight.iter().filter(has_none).map(|entry| order(entry, &draft, Purpose::Draft)).collect();
+            orders.extend(in_sight.iter().map(|entry| order(entry, setup, Purpose::Sight)));
             orders.extend(self.batch.iter().cloned());
             let looks = orders.iter().map(|order| order.entry.look).collect();
             *self.may_make.lock().unwrap_or_else(PoisonError::into_inner) = looks;
@@ -200,7 +235,7 @@ impl Pictures {
             .iter()
             .filter(needs)
             .filter(is_first)
-            .map(|entry| Order { entry: (*entry).clone(), setup: setup.clone(), is_draft: false })
+            .map(|entry| Order { entry: (*entry).clone(), setup: setup.clone(), purpose: Purpose::Batch })
             .collect();
         self.making = Making { total: self.batch.len(), ..Making::default() };
         self.begun = Instant::now();
@@ -234,32 +269,42 @@ impl Pictures {
         let mut is_new = false;
         while let Ok(done) = self.results.try_recv() {
             is_new = true;
-            match done {
-                Done::Loaded(key, Some(thumbnail)) => self.keep(key, thumbnail),
-                Done::Loaded(key, None) => _ = self.failed.insert(key),
-                Done::Made(new) => {
-                    let New { key, path, thumbnail, is_limited, is_draft, problem } = *new;
-                    shelf.note(key.0, key.1);
-                    self.failed.remove(&key);
-                    self.keep(key, thumbnail);
-                    if is_draft {
-                        continue;
-                    }
-                    if is_limited {
-                        self.making.limited.push(path);
-                    }
-                    // A disk that is full would say the same for each picture.
-                    problems.extend(problem.filter(|problem| !problems.contains(problem)));
-                    self.count(key.0);
-                }
-                Done::Failed(look, sentence) => {
-                    self.hopeless.insert(look);
-                    self.count(look);
-                    problems.push(sentence);
-                }
-            }
+            self.take(done, shelf, problems);
         }
         is_new
+    }
+
+    fn take(&mut self, done: Done, shelf: &mut Shelf, problems: &mut Vec<String>) {
+        match done {
+            Done::Loaded(key, Some(thumbnail)) => self.keep(key, thumbnail),
+            Done::Loaded(key, None) => _ = self.failed.insert(key),
+            // Where the real one was made elsewhere meanwhile, its draft is of no use.
+            Done::Made(new) if new.is_draft && shelf.has_any(new.key.0) => {}
+            Done::Made(new) if new.is_draft => {
+                self.drafts.insert(new.key.0, new.key.1);
+                self.keep(new.key, new.thumbnail);
+            }
+            Done::Made(new) => {
+                let New { key, path, thumbnail, is_limited, problem, .. } = *new;
+                shelf.note(key.0, key.1);
+                self.failed.remove(&key);
+                self.keep(key, thumbnail);
+                if let Some(setup) = self.drafts.get(&key.0) {
+                    self.forget((key.0, *setup));
+                }
+                if is_limited {
+                    self.making.limited.push(path);
+                }
+                // A disk that is full would say the same for each picture.
+                problems.extend(problem.filter(|problem| !problems.contains(problem)));
+                self.count(key.0);
+            }
+            Done::Failed(look, sentence) => {
+                self.hopeless.insert(look);
+                self.count(look);
+                problems.push(sentence);
+            }
+        }
     }
 
     fn keep(&mut self, key: Key, thumbnail: Thumbnail) {
@@ -271,9 +316,17 @@ impl Pictures {
         }
         while self.bytes > MAX_BYTES
             && self.order.len() > 1
-            && let Some(oldest) = self.order.pop_front()
+            && let Some(oldest) = self.order.front()
         {
-            self.bytes -= self.made.remove(&oldest).map_or(0, |old| old.rgba.len());
+            self.forget(*oldest);
+        }
+    }
+
+    fn forget(&mut self, key: Key) {
+        self.order.retain(|other| *other != key);
+        self.bytes -= self.made.remove(&key).map_or(0, |old| old.rgba.len());
+        if self.drafts.get(&key.0) == Some(&key.1) {
+            self.drafts.remove(&key.0);
         }
     }
 }
@@ -284,90 +337,4 @@ impl Drop for Pictures {
         self.loads.close();
         self.makes.close();
     }
-}
-
-struct Loader {
-    shelf: Option<Shelf>,
-    queue: Arc<Queue<Key>>,
-    sender: Sender<Done>,
-    wake: Wake,
-}
-
-impl Loader {
-    fn run(self) {
-        while let Some(key) = self.queue.next() {
-            let path = self.shelf.as_ref().map(|shelf| shelf.path(key.0, key.1));
-            if self.sender.send(Done::Loaded(key, path.and_then(|path| load(&path)))).is_err() {
-                return;
-            }
-            (self.wake)();
-        }
-    }
-}
-
-struct Maker {
-    root: PathBuf,
-    shelf: Option<Shelf>,
-    queue: Arc<Queue<Order>>,
-    may_make: Arc<Mutex<HashSet<Digest>>>,
-    threads: Arc<AtomicUsize>,
-    /// What was made: it may be ordered again before that is known there.
-    made: HashSet<Key>,
-    sender: Sender<Done>,
-    wake: Wake,
-}
-
-impl Maker {
-    fn run(mut self) {
-        // Pictures that follow each other share tables of their light.
-        let mut last: Option<Prepared> = None;
-        while let Some(order) = self.queue.next() {
-            let place = self.root.join(&order.entry.path);
-            let made = setup::guarded(|| self.make(&order, &mut last));
-            let failed = |problem: String| Some(Done::Failed(order.entry.look, format!("{}: {problem}", place.display())));
-            let done = made.unwrap_or_else(failed);
-            if let Some(done) = done {
-                if self.sender.send(done).is_err() {
-                    return;
-                }
-                (self.wake)();
-            }
-        }
-    }
-
-    /// Makes and keeps a picture; `None` if it is not wanted any more.
-    fn make(&mut self, order: &Order, last: &mut Option<Prepared>) -> Result<Option<Done>, String> {
-        let Order { entry, setup, is_draft } = order;
-        let is_wanted = || self.may_make.lock().unwrap_or_else(PoisonError::into_inner).contains(&entry.look);
-        let key = (entry.look, setup.digest());
-        if self.made.contains(&key) || !is_wanted() {
-            return Ok(None);
-        }
-        let (material, textures, _) = setup::read(&self.root, entry)?;
-        let scene = setup.scene_of(material, textures);
-        let threads = self.threads.load(Ordering::Relaxed);
-        let seconds = if *is_draft { DRAFT_SECONDS } else { DEFAULT_SECONDS };
-        let Some(made) = setup.render(&scene, last, seconds, threads, &mut |_| is_wanted())? else { return Ok(None) };
-        self.made.insert(key);
-        let kept = self.shelf.as_mut().filter(|_| !is_draft).map(|shelf| shelf.put(key.0, key.1, &made.png));
-        let problem = kept.and_then(|kept| kept.err().map(|error| error.to_string()));
-        let frame = setup.frame();
-        let rgba = made.rgb.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]).collect();
-        let thumbnail = Thumbnail { width: frame.width as u32, height: frame.height as u32, rgba };
-        let is_limited = made.stop_reason == StopReason::Time;
-        Ok(Some(Done::Made(Box::new(New { key, path: entry.path.clone(), thumbnail, is_limited, is_draft: *is_draft, problem }))))
-    }
-}
-
-/// A picture from disk; `None` if it cannot be used.
-pub(super) fn load(path: &Path) -> Option<Thumbnail> {
-    if std::fs::metadata(path).ok()?.len() > MAX_FILE_BYTES {
-        return None;
-    }
-    let mut reader = ImageReader::new(Cursor::new(std::fs::read(path).ok()?)).with_guessed_format().ok()?;
-    let mut limits = image::Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
-    reader.limits(limits);
-    let picture = reader.decode().ok()?.into_rgba8();
-    Some(Thumbnail { width: picture.width(), height: picture.height(), rgba: picture.into_raw() })
 }

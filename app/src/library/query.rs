@@ -227,7 +227,7 @@ fn keyed(key: &str, word: &str) -> Result<What, String> {
             "broken" => Ok(What::Broken),
             _ => State::from_word(word)
                 .map(What::Picture)
-                .ok_or_else(|| format!("`is:{word}`: expected fresh, stale, missing, favourite or broken")),
+                .ok_or_else(|| format!("`is:{word}`: expected fresh, draft, stale, missing, favourite or broken")),
         },
         "texture" => Ok(What::Texture(Some(property(word, true)?))),
         _ => Err(format!(

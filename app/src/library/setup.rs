@@ -1,13 +1,14 @@
 //! How small pictures of materials are made: one scene, one size, one quality for all of them.
 
 use super::entry::{Entry, reason};
+use super::maker::Limits;
 use crate::digest::{Digest, Digesting};
 use crate::export::{Picture, png_bytes};
 use crate::files;
-use burnish_assets::{ENVIRONMENTS, Mesh, SHAPES, make_shape};
+use burnish_assets::{BackdropDef, ENVIRONMENTS, Mesh, SHAPES, make_shape};
 use burnish_material::{DEFAULT_UNIT_MM, MAX_FILE_BYTES, Material, MaterialFile, Property, Value};
 use burnish_renderer::PICTURE_VERSION;
-use burnish_renderer::path::{Prepared, Progress, Settings, StopReason, StopRules, render_prepared};
+use burnish_renderer::path::{Kept, Prepared, Progress, Rendering, Settings, StopReason, StopRules, render_prepared};
 use burnish_renderer::scene::{EnvironmentLight, ModelMeshes, Object, Scene, TextureSet};
 use burnish_renderer::tonemap::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -69,6 +70,8 @@ pub struct Stage {
     pub scene: Scene,
     /// The built-in mesh that it shows, if it does. Its name counts instead of its numbers, which processors may round differently.
     pub shape: Option<String>,
+    /// What the mesh stands on, where that is not what it brings.
+    pub backdrop: Option<&'static BackdropDef>,
     /// The built-in environment that it shows, if it does.
     pub environment: Option<String>,
     /// Whether lengths of materials are converted to those of the scene.
@@ -84,6 +87,7 @@ impl Stage {
         Some(Self {
             scene: Scene::of_model(&model, Arc::default(), Arc::default(), light, model.unit_mm),
             shape: Some(shape.name.to_owned()),
+            backdrop: None,
             environment: Some(environment.name.to_owned()),
             has_unit: true,
         })
@@ -99,11 +103,11 @@ pub struct Made {
     pub png: Vec<u8>,
     /// Estimated error, if there are samples enough to tell.
     pub relmse: Option<f64>,
-    /// Seconds of rendering, with preparing.
+    /// Seconds of rendering, with preparing it last.
     pub seconds: f64,
     /// Samples per pixel.
     pub spp: u32,
-    /// Why it ended; never cancelled.
+    /// Why it ended.
     pub stop_reason: StopReason,
 }
 
@@ -150,37 +154,42 @@ impl Setup {
         scene
     }
 
-    /// Renders the picture of a scene, until its error is small enough or `seconds` are over. `None` if `go_on` says no after a pass.
+    /// Renders a scene, from its beginning or from where that was put aside, until its error is small enough, a limit is reached or `go_on` says no
+    /// after a pass.
     ///
     /// What the scene shares with `last` is taken from there; it becomes that scene.
-    pub fn render(
+    pub fn expose(
         &self,
         scene: &Scene,
         last: &mut Option<Prepared>,
-        seconds: f64,
-        threads: usize,
+        begun: Option<Kept>,
+        limits: Limits,
         go_on: &mut dyn FnMut(&Progress<'_>) -> bool,
-    ) -> Result<Option<Made>, String> {
+    ) -> Rendering {
         let start = Instant::now();
         let prepared = &*last.insert(Prepared::new(scene, last.as_ref()));
-        let Frame { width, height, relmse, seed, display } = self.frame;
-        let stop = StopRules { spp: None, seconds: Some(seconds), relmse: Some(relmse) };
-        let settings = Settings { width, height, seed, threads, stop, is_adaptive: true };
-        let rendering = render_prepared(prepared, &settings, start, go_on);
-        if rendering.stop_reason == StopReason::Cancelled {
-            return Ok(None);
-        }
+        let Frame { width, height, relmse, seed, .. } = self.frame;
+        let stop = StopRules { spp: None, seconds: Some(limits.seconds), relmse: Some(relmse) };
+        let settings = Settings { width, height, seed, threads: limits.threads, stop, is_adaptive: true };
+        // What was begun in another size is of no use.
+        let further = begun.and_then(|begun| begun.go_on(prepared, &settings, start, go_on).ok());
+        further.unwrap_or_else(|| render_prepared(prepared, &settings, start, go_on))
+    }
+
+    /// The picture that was rendered. An error if it cannot become a file.
+    pub fn develop(&self, rendering: &Rendering) -> Result<Made, String> {
+        let Frame { width, height, display, .. } = self.frame;
         let pixels: Vec<[f32; 4]> = rendering.film.mean().iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect();
         let rgb = pixels.iter().flat_map(|[r, g, b, _]| display.apply_u8([*r, *g, *b])).collect();
         let png = png_bytes(&Picture { width, height, pixels, ..Picture::default() }, display)?;
-        Ok(Some(Made {
+        Ok(Made {
             rgb,
             png,
             relmse: rendering.error.map(|error| error.relmse),
-            seconds: start.elapsed().as_secs_f64(),
+            seconds: rendering.load_seconds + rendering.seconds,
             spp: rendering.film.spp(),
             stop_reason: rendering.stop_reason,
-        }))
+        })
     }
 }
 
@@ -228,6 +237,9 @@ fn digest(stage: &Stage, frame: &Frame, set: &[(Property, Value)]) -> Digest {
     match &stage.shape {
         Some(name) => _ = all.text(name),
         None => objects.iter().for_each(|object| add_object(&mut all, object)),
+    }
+    if let Some(backdrop) = stage.backdrop {
+        all.text("backdrop").text(backdrop.name);
     }
     for object in objects {
         all.text(&format!("{:.5e}", object.length_scale));

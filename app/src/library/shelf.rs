@@ -18,6 +18,8 @@ pub const MAX_ORPHAN_BYTES: u64 = 256 << 20;
 pub enum State {
     /// It does.
     Fresh,
+    /// There is one that was made in a moment, small and coarse, and is not kept on disk; the full one is still to come.
+    Draft,
     /// There is one of how the material looked before, or one in another mesh, light, size or quality.
     Stale,
     /// There is none.
@@ -26,7 +28,8 @@ pub enum State {
 
 impl State {
     /// All states with their words.
-    pub const ALL: [(Self, &'static str); 3] = [(Self::Fresh, "fresh"), (Self::Stale, "stale"), (Self::Missing, "missing")];
+    pub const ALL: [(Self, &'static str); 4] =
+        [(Self::Fresh, "fresh"), (Self::Draft, "draft"), (Self::Stale, "stale"), (Self::Missing, "missing")];
 
     /// The word for machines and searches.
     pub fn word(self) -> &'static str {
@@ -82,7 +85,7 @@ impl Shelf {
         self.pictures.contains_key(&look)
     }
 
-    /// How well the picture of an entry shows it in a setup.
+    /// How well the picture of an entry shows it in a setup; never a draft.
     pub fn state(&self, entry: &Entry, setup: Digest) -> State {
         match self.best(entry, setup) {
             Some(best) if best == (entry.look, setup) => State::Fresh,

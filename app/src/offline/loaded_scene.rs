@@ -1,6 +1,7 @@
 //! A scene that can be rendered, with where its parts came from, for pictures of it to say.
 
 use crate::picture_job::{PictureJob, Place, SceneSource, Source, Texture};
+use burnish_assets::BackdropDef;
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -11,6 +12,8 @@ use std::sync::Arc;
 pub struct Origin {
     /// The mesh; `None`: that of the scene file.
     pub mesh: Option<Place>,
+    /// What the mesh stands on, where that is not what it brings.
+    pub backdrop: Option<&'static BackdropDef>,
     /// The environment; `None`: that of the scene file.
     pub environment: Option<Place>,
     /// A scene file.
@@ -69,6 +72,7 @@ impl LoadedScene {
         job.size = [self.width, self.height];
         job.scene = SceneSource {
             mesh: source(&origin.mesh),
+            backdrop: origin.backdrop.map(|def| def.name.to_owned()),
             environment: source(&origin.environment),
             scene: origin.scene.as_ref().map(|path| Source::of_file(path, folder)),
             assets: origin.assets.iter().map(|path| Source::of_file(path, folder)).collect(),

@@ -6,8 +6,8 @@ use crate::sources::{Source, Sourced};
 use crate::theme;
 use crate::widgets::color_edit::display_color;
 use crate::widgets::row_notes::value_text;
-use burnish_material::diff::{Change, take};
-use burnish_material::{Material, Property, Value};
+use burnish_material::diff::{Change, can_take};
+use burnish_material::{Property, Value};
 use egui::{
     Align, Button, Image, Label, Layout, ProgressBar, Rect, RichText, ScrollArea, Sense, StrokeKind, TextureHandle, Ui,
     UiBuilder, pos2, vec2,
@@ -116,7 +116,7 @@ fn head(ui: &mut Ui, view: &DiffView) -> Option<DiffAction> {
             }
         }
         let keys: Vec<String> =
-            view.changes.iter().filter(|change| is_takeable(change)).map(|change| change.key.clone()).collect();
+            view.changes.iter().filter(|change| is_takeable(view, change)).map(|change| change.key.clone()).collect();
         for (is_b, name, tip) in [
             (false, "All of B → A", "Take every entry over into A, as one step that undo takes back"),
             (true, "All of A → B", "Take every entry over into B, as one step that undo takes back"),
@@ -141,8 +141,8 @@ fn head(ui: &mut Ui, view: &DiffView) -> Option<DiffAction> {
 }
 
 /// Whether one side's entry can be given to the other: unknown keys and sources of values belong to the file alone.
-fn is_takeable(change: &Change) -> bool {
-    take(&mut Material::default(), &Material::default(), &change.key)
+fn is_takeable(view: &DiffView, change: &Change) -> bool {
+    matches!(view.sides, [Ok(a), Ok(b)] if can_take(&a.material, &b.material, &change.key))
 }
 
 fn table(ui: &mut Ui, view: &DiffView) -> Option<DiffAction> {
@@ -168,7 +168,7 @@ fn table(ui: &mut Ui, view: &DiffView) -> Option<DiffAction> {
                 });
                 fixed(ui, vec2(cell, height), |ui| value_cell(ui, a, change, &change.a));
                 for (is_b, arrow, what) in [(false, "◀", "Take B’s"), (true, "▶", "Take A’s")] {
-                    let can = view.can_take[usize::from(is_b)] && is_takeable(change);
+                    let can = view.can_take[usize::from(is_b)] && is_takeable(view, change);
                     let arrow = ui.add_enabled(can, Button::new(arrow).min_size(vec2(button, height)));
                     let name = format!("{what} {}", label.to_lowercase());
                     let into = if is_b { "B" } else { "A" };

@@ -1,5 +1,6 @@
 //! Pictures to give away: one, or a series around the object; what they hold, when they end, and how far they are.
 
+mod bar;
 pub mod picture;
 pub mod turntable;
 
@@ -12,7 +13,7 @@ use crate::theme;
 use crate::work::Work;
 use burnish_renderer::path::StopRules;
 use burnish_renderer::tonemap::Display;
-use egui::{Button, Grid, Label, ProgressBar, RichText, ScrollArea, Ui, vec2};
+use egui::{Button, Grid, Label, RichText, ScrollArea, Ui, vec2};
 use std::path::PathBuf;
 
 /// Longest side of a picture, pixels.
@@ -45,6 +46,19 @@ pub enum ExportAction {
     Discard,
     /// End what is being made.
     Cancel,
+    /// Give up what waits under this number.
+    Remove(u64),
+}
+
+/// What waits until what comes before it is made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Queued {
+    /// Tells it from all others.
+    pub number: u64,
+    /// What it is about.
+    pub text: String,
+    /// The file or folder that it writes into.
+    pub target: PathBuf,
 }
 
 /// What is set in the panel, and what it shows of the last turntable.
@@ -121,6 +135,8 @@ pub struct Around<'a> {
     pub work: Option<Work>,
     /// Whether it was ended and only has to come to its next seam.
     pub is_ending: bool,
+    /// What comes after it.
+    pub queue: Vec<Queued>,
 }
 
 impl ExportPanel {
@@ -147,71 +163,6 @@ impl ExportPanel {
             Kind::Picture => self.picture(ui, &mut around),
             Kind::Turntable => action = self.turntable(ui, &mut around).or(action.take()),
         });
-        action
-    }
-
-    /// What is being made, or the buttons that begin something; always in sight.
-    fn bar(&mut self, ui: &mut Ui, around: &Around<'_>) -> Option<ExportAction> {
-        let mut action = None;
-        ui.add_space(3.0);
-        if let Some(work) = &around.work {
-            ui.horizontal(|ui| {
-                let text = if around.is_ending { "Ending…" } else { "Cancel" };
-                let cancel = ui.add_enabled(!around.is_ending, Button::new(text)).accessible_name("Cancel rendering");
-                if cancel.on_hover_text("Ends it; a turntable goes on from there later").clicked() {
-                    action = Some(ExportAction::Cancel);
-                }
-                ui.add(Label::new(RichText::new(&work.text).small()).truncate());
-            });
-            ui.add(ProgressBar::new(work.progress.unwrap_or(0.0)).desired_height(4.0));
-            let left = work.remaining.map_or_else(
-                || "The time that is left is not known yet".to_owned(),
-                |left| format!("about {} left", turntable::duration(left)),
-            );
-            ui.label(RichText::new(left).small().color(theme::now().weak));
-            return action;
-        }
-        if self.has_unwritten {
-            ui.label(RichText::new("⚠ A rendered picture could not be written.").color(theme::now().warning));
-            ui.horizontal(|ui| {
-                for (text, what) in [("Write elsewhere…", ExportAction::WriteElsewhere), ("Discard it", ExportAction::Discard)]
-                {
-                    if ui.button(text).clicked() {
-                        action = Some(what);
-                    }
-                }
-            });
-            return action;
-        }
-        let problem = self.problem(around);
-        if let Some(problem) = &problem {
-            ui.add(Label::new(RichText::new(format!("⚠ {problem}")).small().color(theme::now().warning)).wrap());
-        }
-        ui.horizontal(|ui| {
-            let mut button = |ui: &mut Ui, button: Button<'_>, hint: &str, what: ExportAction| {
-                if ui.add_enabled(problem.is_none(), button).on_hover_text(hint).clicked() {
-                    action = Some(what);
-                }
-            };
-            let size = vec2(120.0, 1.2 * ui.spacing().interact_size.y);
-            let main = |text: String| Button::new(text).min_size(size).fill(theme::now().selection);
-            match self.kind {
-                Kind::Picture => {
-                    let hint = "Choose a file; it is rendered in the background";
-                    button(ui, main("Render to file…".to_owned()), hint, ExportAction::Render);
-                }
-                Kind::Turntable => {
-                    let hint = "Render five frames a little, to tell how long all will take";
-                    button(ui, Button::new("Predict").min_size(vec2(80.0, size.y)), hint, ExportAction::Predict);
-                    let hint = "Render the frames in the background, one after the other";
-                    button(ui, main(self.start_text()), hint, ExportAction::Start);
-                }
-            }
-        });
-        if let (Kind::Picture, Some((path, text))) = (self.kind, &self.last) {
-            picture::last(ui, path, text);
-        }
-        ui.add_space(3.0);
         action
     }
 }

@@ -1,22 +1,17 @@
 //! A folder of materials as a grid of small pictures: searched, selected, opened, dragged onto the view, and edited many at once.
 
-use crate::library::{Entry, Library, Query, State};
+mod card;
+mod grid;
+
+use crate::library::{Library, Query, State};
 use crate::theme;
 use crate::widgets::search_field::search_field;
-use egui::{
-    Align2, Button, Color32, ColorImage, CornerRadius, Label, Rect, Response, RichText, Role, ScrollArea, Sense, Slider,
-    TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
-};
+use egui::{Button, Label, RichText, Slider, TextureHandle, Ui};
 use std::collections::{BTreeSet, HashMap};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// Sides that a picture may have, points.
 const SIDES: std::ops::RangeInclusive<f32> = 48.0..=256.0;
-/// Textures kept; the others are made again when they come into sight.
-const MAX_TEXTURES: usize = 400;
-/// Points between cards.
-const GAP: f32 = 4.0;
 
 /// What the panel asks of the application. Paths are relative to the library's folder.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,15 +79,6 @@ impl Default for LibraryPanel {
             makes_pictures: true,
         }
     }
-}
-
-/// What a card shows.
-struct Card<'a> {
-    entry: &'a Entry,
-    state: State,
-    /// Whether it is the document in front.
-    is_current: bool,
-    is_favourite: bool,
 }
 
 /// What the panel knows besides the library.
@@ -193,199 +179,6 @@ impl LibraryPanel {
                 ui.spacing_mut().slider_width = 64.0;
                 ui.add(Slider::new(&mut self.side, SIDES).show_value(false)).accessible_name("Size of pictures");
             });
-        });
-        action
-    }
-
-    fn grid(&mut self, ui: &mut Ui, library: &mut Library, around: &Around) -> Option<LibraryAction> {
-        let mut action = None;
-        if self.found.is_empty() {
-            let text = if library.entries().is_empty() { "There is no material in this folder." } else { "Nothing matches." };
-            ui.label(RichText::new(if library.progress().is_some() { "Reading…" } else { text }).weak());
-        }
-        let scale = theme::text_scale(ui);
-        let card = vec2(self.side, self.side + 16.0 * scale);
-        let across = ((ui.available_width() - 10.0 + GAP) / (card.x + GAP)).floor().max(1.0) as usize;
-        let rows = self.found.len().div_ceil(across);
-        let mut sight = Vec::new();
-        ui.spacing_mut().item_spacing = vec2(GAP, GAP);
-        let mut area = ScrollArea::vertical().auto_shrink([false, false]);
-        if let Some(path) = self.sought.take_if(|_| library.progress().is_none()) {
-            let place = |panel: &Self| panel.found.iter().position(|number| library.entries()[*number].path == path);
-            match place(self) {
-                Some(place) => area = area.vertical_scroll_offset((place / across) as f32 * (card.y + GAP)),
-                None if !self.search.is_empty() => {
-                    self.search.clear();
-                    self.sought = Some(path);
-                }
-                None => {}
-            }
-        }
-        area.show_rows(ui, card.y, rows, |ui, shown| {
-            for row in shown {
-                ui.horizontal(|ui| {
-                    for place in row * across..((row + 1) * across).min(self.found.len()) {
-                        let number = self.found[place];
-                        let Some(entry) = library.entries().get(number).cloned() else { continue };
-                        sight.push(number);
-                        let (rect, response) = ui.allocate_exact_size(card, Sense::click_and_drag());
-                        let state = library.state(&entry);
-                        self.load_texture(ui, library, &entry, state);
-                        let is_current = around.current.is_some_and(|path| path == library.root().join(&entry.path));
-                        let is_favourite = library.marks().is_favourite(&entry.path);
-                        self.paint(ui, rect, &response, &Card { entry: &entry, state, is_current, is_favourite });
-                        action = self.touched(ui, &response, &entry, place, library, is_favourite).or(action.take());
-                    }
-                });
-            }
-        });
-        library.show(&sight, self.makes_pictures);
-        if self.textures.len() > MAX_TEXTURES {
-            let kept: BTreeSet<&PathBuf> =
-                sight.iter().filter_map(|n| library.entries().get(*n)).map(|entry| &entry.path).collect();
-            self.textures.retain(|path, _| kept.contains(path));
-        }
-        action
-    }
-
-    fn load_texture(&mut self, ui: &Ui, library: &Library, entry: &Arc<Entry>, state: State) {
-        if self.textures.get(&entry.path).is_some_and(|(_, known)| *known == state) {
-            return;
-        }
-        if let Some(small) = library.picture(entry) {
-            let image = ColorImage::from_rgba_unmultiplied([small.width as usize, small.height as usize], &small.rgba);
-            let texture = ui.ctx().load_texture("library picture", image, TextureOptions::LINEAR);
-            self.textures.insert(entry.path.clone(), (texture, state));
-        }
-    }
-
-    fn paint(&self, ui: &Ui, rect: Rect, response: &Response, card: &Card) {
-        let Card { entry, state, is_current, is_favourite } = *card;
-        let font = egui::TextStyle::Small.resolve(ui.style());
-        let is_selected = self.selected.contains(&entry.path);
-        let palette = theme::now();
-        let visuals = ui.style().interact_selectable(response, is_selected);
-        let painter = ui.painter_at(rect.expand(2.0));
-        if is_selected || response.hovered() || response.has_focus() {
-            painter.rect_filled(rect, 3, visuals.weak_bg_fill);
-        }
-        let room = Rect::from_min_size(rect.min, vec2(rect.width(), rect.width())).shrink(2.0);
-        match self.textures.get(&entry.path) {
-            Some((texture, _)) => {
-                egui::Image::new((texture.id(), room.size())).corner_radius(CornerRadius::same(3)).paint_at(ui, room);
-            }
-            None => {
-                painter.rect_filled(room, 3, palette.surround);
-            }
-        }
-        if is_selected {
-            painter.rect_stroke(room, 3, (2.0, palette.accent), egui::StrokeKind::Inside);
-        }
-        let mark = match (&entry.problem, state) {
-            (Some(_), _) => Some(("⚠ broken", palette.error)),
-            (None, State::Stale) => Some(("stale", palette.warning)),
-            (None, State::Missing) => Some(("no picture", palette.weak)),
-            (None, State::Fresh) => None,
-        };
-        if let Some((text, color)) = mark {
-            let galley = painter.layout_no_wrap(text.into(), egui::FontId::proportional(10.0), color);
-            let at = room.left_bottom() + vec2(3.0, -3.0 - galley.size().y);
-            painter.rect_filled(
-                Rect::from_min_size(at, galley.size()).expand2(vec2(2.0, 0.0)),
-                2,
-                Color32::from_black_alpha(190),
-            );
-            painter.galley(at, galley, color);
-        }
-        if is_favourite {
-            painter.text(
-                room.right_top() + vec2(-3.0, 1.0),
-                Align2::RIGHT_TOP,
-                "★",
-                egui::FontId::proportional(14.0),
-                palette.accent,
-            );
-        }
-        let text = if is_current { format!("▸ {}", entry.name) } else { entry.name.clone() };
-        let color = if is_selected { visuals.text_color() } else { palette.text };
-        let line = Rect::from_min_max(pos2(rect.left(), room.bottom() + 1.0), rect.max).shrink2(vec2(3.0, 0.0));
-        let mut job = egui::text::LayoutJob::simple_singleline(text, font, color);
-        job.wrap = egui::text::TextWrapping::truncate_at_width(line.width());
-        let galley = ui.painter().layout_job(job);
-        painter.galley(line.min, galley, color);
-    }
-
-    /// What clicks, drags and the menu of a card mean.
-    fn touched(
-        &mut self,
-        ui: &Ui,
-        response: &Response,
-        entry: &Arc<Entry>,
-        place: usize,
-        library: &Library,
-        is_favourite: bool,
-    ) -> Option<LibraryAction> {
-        let is_selected = self.selected.contains(&entry.path);
-        response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, is_selected, &entry.name));
-        response.dnd_set_drag_payload(Dragged(entry.path.clone()));
-        let mut action = None;
-        if response.clicked() {
-            let modifiers = ui.input(|i| i.modifiers);
-            if modifiers.shift {
-                let paths = |place: usize| library.entries().get(self.found[place]).map(|entry| entry.path.clone());
-                let from = self.anchor.as_ref();
-                let from = (0..self.found.len()).find(|other| paths(*other).as_ref() == from).unwrap_or(place);
-                self.selected.extend((from.min(place)..=from.max(place)).filter_map(paths));
-            } else if modifiers.command {
-                if !self.selected.remove(&entry.path) {
-                    self.selected.insert(entry.path.clone());
-                }
-                self.anchor = Some(entry.path.clone());
-            } else {
-                self.selected = BTreeSet::from([entry.path.clone()]);
-                self.anchor = Some(entry.path.clone());
-            }
-        }
-        if response.double_clicked() {
-            action = Some(LibraryAction::Open(vec![entry.path.clone()]));
-        }
-        if response.secondary_clicked() && !is_selected {
-            self.selected = BTreeSet::from([entry.path.clone()]);
-        }
-        response.context_menu(|ui| {
-            let all: Vec<PathBuf> = self.selected.iter().cloned().collect();
-            let one = entry.path.clone();
-            let mut item = |ui: &mut Ui, text: &str, what: LibraryAction| {
-                if ui.button(text).clicked() {
-                    action = Some(what);
-                    ui.close();
-                }
-            };
-            item(ui, "Open", LibraryAction::Open(all.clone()));
-            item(ui, "Apply to this material", LibraryAction::Apply(one.clone()));
-            item(ui, "Compare with this material", LibraryAction::Compare(one.clone()));
-            let differences = if all.len() == 2 { "Differences of both" } else { "Differences from this material" };
-            item(ui, differences, LibraryAction::Diff(if all.len() == 2 { all.clone() } else { vec![one.clone()] }));
-            ui.separator();
-            item(ui, "Edit tags, licence, values…", LibraryAction::Edit(all.clone()));
-            item(ui, "Rename…", LibraryAction::Rename(one));
-            item(ui, "Duplicate", LibraryAction::Duplicate(all.clone()));
-            let favour = if is_favourite { "No favourite any more" } else { "Favourite" };
-            item(ui, favour, LibraryAction::Favour(all, !is_favourite));
-        });
-        response.clone().on_hover_ui(|ui| {
-            ui.label(RichText::new(&entry.name).strong());
-            if let Some(problem) = &entry.problem {
-                ui.label(RichText::new(problem).color(theme::now().error));
-            }
-            if !entry.tags.is_empty() {
-                ui.label(entry.tags.join(", "));
-            }
-            if !entry.notes.is_empty() {
-                ui.label(&entry.notes);
-            }
-            let licence = if entry.licence.is_empty() { "no licence stated" } else { &entry.licence };
-            ui.label(RichText::new(format!("{}\n{licence}", entry.path.display())).small().weak());
         });
         action
     }

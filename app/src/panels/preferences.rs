@@ -3,10 +3,11 @@
 use crate::command::{COMMANDS, Command};
 use crate::keymap::{self, Keymap};
 use crate::panels::help;
-use crate::preferences::{AUTOSAVE_SECONDS, MouseScheme, Preferences, TEXT_SCALE, THREADS, UNIT_MM};
+use crate::panels::toolbar::AS_IT_COMES;
+use crate::preferences::{AUTOSAVE_SECONDS, MouseScheme, OWN_BACKDROP, Preferences, TEXT_SCALE, THREADS, UNIT_MM};
 use crate::theme::{self, ThemeName};
 use crate::widgets::number_field::NumberField;
-use burnish_assets::{ENVIRONMENTS, SHAPES};
+use burnish_assets::{BACKDROPS, ENVIRONMENTS, SHAPES};
 use burnish_renderer::tonemap::DisplayTransform;
 use egui::{ComboBox, Grid, RichText, Ui, vec2};
 
@@ -25,6 +26,12 @@ pub fn show(ui: &mut Ui, preferences: &mut Preferences, keymap: &mut Keymap, rec
         row(ui, "Mesh at start", "What carries the material when the window opens.", |ui| {
             let all: Vec<(String, &str)> = SHAPES.iter().map(|def| (def.name.to_owned(), def.label)).collect();
             choice(ui, "Mesh at start", &mut preferences.mesh, &all);
+        });
+        row(ui, "Backdrop at start", "What the mesh stands on when the window opens.", |ui| {
+            let own = (OWN_BACKDROP.to_owned(), AS_IT_COMES);
+            let all: Vec<(String, &str)> =
+                std::iter::once(own).chain(BACKDROPS.iter().map(|def| (def.name.to_owned(), def.label))).collect();
+            choice(ui, "Backdrop at start", &mut preferences.backdrop, &all);
         });
         row(ui, "Light at start", "What lights the scene when the window opens.", |ui| {
             let all: Vec<(String, &str)> = ENVIRONMENTS.iter().map(|def| (def.name.to_owned(), def.label)).collect();

@@ -9,7 +9,7 @@ use crate::small_pictures::SmallPictures;
 use crate::theme;
 use crate::thumbnails::Key;
 use crate::widgets::number_field::NumberField;
-use burnish_assets::{ENVIRONMENTS, SHAPES};
+use burnish_assets::{BACKDROPS, BackdropDef, ENVIRONMENTS, SHAPES};
 use burnish_renderer::tonemap::DisplayTransform;
 use egui::{Align2, ComboBox, Grid, Popup, Rect, Role, Sense, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
@@ -34,6 +34,9 @@ pub struct Tools<'a> {
     /// What is shown instead of the material.
     pub debug: &'a mut LiveDebug,
 }
+
+/// What stands in the choice of backdrops for what the mesh brings itself.
+pub const AS_IT_COMES: &str = "As it comes";
 
 /// Points across below which the views are a list instead of buttons.
 const WIDE: f32 = 560.0;
@@ -82,11 +85,17 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, tools: &mut Tools) -> Option<Wish>
         let mesh = editor.model.as_ref().map_or("…", |model| model.name.as_str());
         let all = SHAPES.iter().map(|def| (Key::Shape(def.name), def.label, Job::Shape(def.name)));
         let tip = "What carries the material; drop a .gltf, .glb or .ply for your own";
-        wish = scene_menu(ui, "Mesh", mesh, tip, all, Command::LoadModel, tools.small).or(wish.take());
+        let (small, backdrop) = (&mut *tools.small, editor.backdrop());
+        let mut other = None;
+        let more = |ui: &mut Ui| other = backdrops(ui, backdrop);
+        wish = scene_menu(ui, ["Mesh", mesh, tip], all, Command::LoadModel, small, more).or(wish.take());
+        if let Some(backdrop) = other {
+            editor.set_backdrop(backdrop);
+        }
         let light = editor.environment.as_ref().map_or("…", |environment| environment.name.as_str());
         let all = ENVIRONMENTS.iter().map(|def| (Key::Environment(def.name), def.label, Job::BuiltInEnvironment(def.name)));
         let tip = "What lights the scene; drop an .hdr or .exr for your own";
-        wish = scene_menu(ui, "Environment", light, tip, all, Command::LoadEnvironment, tools.small).or(wish.take());
+        wish = scene_menu(ui, ["Environment", light, tip], all, Command::LoadEnvironment, tools.small, |_| {}).or(wish.take());
         let view = &mut editor.view;
         let field = NumberField {
             format: |x| format!("{x:.0}°"),
@@ -169,15 +178,14 @@ fn debug_menu(ui: &mut Ui, debug: &mut LiveDebug, is_wide: bool) {
     }
 }
 
-/// A choice among pictures of what is built in.
+/// A choice among pictures of what is built in; `more` comes below them.
 fn scene_menu(
     ui: &mut Ui,
-    name: &str,
-    shown: &str,
-    tip: &str,
+    [name, shown, tip]: [&str; 3],
     all: impl Iterator<Item = (Key, &'static str, Job)>,
     load: Command,
     small: &mut SmallPictures,
+    more: impl FnOnce(&mut Ui),
 ) -> Option<Wish> {
     let mut wish = None;
     let button = ui.add(egui::Button::new(format!("{shown} ⏷")).truncate());
@@ -217,6 +225,7 @@ fn scene_menu(
                 }
             }
         });
+        more(ui);
         ui.separator();
         if ui.button(load.text()).clicked() {
             wish = Some(Wish::Command(load));
@@ -224,6 +233,22 @@ fn scene_menu(
         }
     });
     wish
+}
+
+/// What the mesh stands on: the choice, if one was made.
+fn backdrops(ui: &mut Ui, shown: Option<&'static BackdropDef>) -> Option<Option<&'static BackdropDef>> {
+    let mut chosen = None;
+    ui.separator();
+    ui.label("Stands on");
+    let own = (None, AS_IT_COMES, "What the mesh brings: tiles for most built-in ones, nothing for files.");
+    for (choice, label, doc) in std::iter::once(own).chain(BACKDROPS.iter().map(|def| (Some(def), def.label, def.doc))) {
+        let is_shown = choice.map(|def| def.name) == shown.map(|def| def.name);
+        if ui.selectable_label(is_shown, label).on_hover_text(doc).clicked() {
+            chosen = Some(choice);
+            ui.close();
+        }
+    }
+    chosen
 }
 
 fn exposure(ui: &mut Ui, ev: &mut f32) {

@@ -1,8 +1,13 @@
 //! A number that is dragged, typed, stepped, copied or pasted. Showing it, or passing through it with the keyboard, never changes it.
 
+#[cfg(test)]
+mod tests;
+
 use crate::theme;
 use crate::widgets::{gesture, number};
 use burnish_material::Unit;
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{Button, CursorIcon, Event, Id, Key, Modifiers, Response, Sense, TextEdit, Ui, WidgetInfo, accesskit, vec2};
 use std::ops::RangeInclusive;
 
@@ -163,8 +168,11 @@ impl<'a> NumberField<'a> {
     fn text(&self, ui: &mut Ui, id: Id, old: f64, new: &mut Option<f64>) -> Response {
         let text_id = id.with("text");
         let kept = ui.data_mut(|data| data.remove_temp::<String>(text_id));
-        let is_fresh = kept.is_none();
-        let mut text = kept.unwrap_or_else(|| (self.format)(old));
+        let mut text = kept.unwrap_or_else(|| {
+            let text = (self.format)(old);
+            select_all(ui, id, &text);
+            text
+        });
         let is_read = text.trim() == (self.format)(old) || number::parse(&text, self.unit, self.unit_mm).is_some();
         let color = if is_read { ui.visuals().strong_text_color() } else { theme::now().error };
         let steps = ui.input_mut(|input| {
@@ -179,14 +187,6 @@ impl<'a> NumberField<'a> {
             .desired_width(0.0)
             .text_color(color);
         let output = edit.show(ui);
-        if is_fresh {
-            let mut state = output.state;
-            state.cursor.set_char_range(Some(egui::text::CCursorRange::two(
-                egui::text::CCursor::default(),
-                egui::text::CCursor::new(text.chars().count()),
-            )));
-            state.store(ui.ctx(), output.response.id);
-        }
         if steps != 0.0 {
             *new = Some(self.limited(number::rounded(self.scale.stepped(old, steps, self.step), 6)));
             gesture::end(ui.ctx());
@@ -211,6 +211,8 @@ impl<'a> NumberField<'a> {
         let response = ui.add(button).on_hover_cursor(CursorIcon::ResizeHorizontal);
         if response.clicked() {
             ui.memory_mut(|memory| memory.request_focus(response.id));
+            // From now on keys type: commands must not take the first of them.
+            select_all(ui, response.id, &(self.format)(old));
         }
         if let Some(value) = dragged(ui, &response, old, |from, points| self.scale.moved(from, points), self.step) {
             *new = Some(self.limited(value));
@@ -239,6 +241,14 @@ impl<'a> NumberField<'a> {
             builder.set_label(self.name);
         });
     }
+}
+
+/// Lets what is typed next take the place of the whole text of a field.
+fn select_all(ui: &Ui, id: Id, text: &str) {
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    let range = CCursorRange::two(CCursor::default(), CCursor::new(text.chars().count()));
+    state.cursor.set_char_range(Some(range));
+    state.store(ui.ctx(), id);
 }
 
 /// The number after this frame's part of a drag: Shift is slower, Ctrl snaps, Esc goes back to the start.
@@ -330,22 +340,4 @@ pub fn take_copy_paste<T>(ui: &Ui, copied: impl FnOnce() -> String, read: impl F
         ui.ctx().copy_text(copied());
     }
     pasted
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn drags_move_by_points_and_snap() {
-        assert_eq!(Scale::Linear(0.01).moved(0.3, 12.0), 0.42);
-        let twice = Scale::Logarithmic.moved(2.0, 100.0 * 2_f64.ln());
-        assert!((twice - 4.0).abs() < 1e-12, "{twice}");
-        assert_eq!(Scale::Logarithmic.moved(2.0, -5000.0), 0.0);
-        assert!(Scale::Logarithmic.moved(0.0, 10.0) > 0.0);
-        assert_eq!(tidied(0.423_456, 0.05, Modifiers::NONE), 0.4235);
-        assert_eq!(tidied(0.423_456, 0.05, Modifiers::SHIFT), 0.423_46);
-        assert_eq!(tidied(0.423_456, 0.05, Modifiers::COMMAND), 0.4);
-        assert_eq!(tidied(1e-9, 0.05, Modifiers::NONE), 0.0);
-    }
 }

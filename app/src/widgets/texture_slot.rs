@@ -24,7 +24,7 @@ pub fn texture_slot(ui: &mut Ui, def: &PropertyDef, texture: &mut Option<Texture
                 is_cleared = true;
             }
             let settings = ui.button("⚙").accessible_name(format!("{} map settings", def.label));
-            let settings = settings.on_hover_text("Channel, colour space, wrap and placement");
+            let settings = settings.on_hover_text("Channel, colour space, scale, wrap and placement");
             Popup::menu(&settings)
                 .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
                 .show(|ui| settings_grid(ui, def, reference));
@@ -82,6 +82,13 @@ fn settings_grid(ui: &mut Ui, def: &PropertyDef, reference: &mut TextureRef) {
         ui.label("Invert");
         ui.checkbox(&mut reference.is_inverted, "").accessible_name(name("inverted"));
         ui.end_row();
+        if def.default.kind() != Kind::Normal {
+            for (label, numbers) in [("Scale", &mut reference.scale), ("Bias", &mut reference.bias)] {
+                ui.label(label);
+                channels(ui, &name(&label.to_lowercase()), def.default.kind(), numbers);
+                ui.end_row();
+            }
+        }
         ui.label("Wrap");
         choice(ui, &name("wrap"), &mut reference.wrap, Wrap::ALL);
         ui.end_row();
@@ -108,6 +115,23 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T
         }
     });
     combo.response.accessible_name(name);
+}
+
+/// A number for each channel of a colour, or one for a scalar.
+fn channels(ui: &mut Ui, name: &str, kind: Kind, value: &mut [f64; 3]) {
+    if kind != Kind::Color {
+        if let Some(v) = NumberField::plain(name, 62.0, 0.01).show(ui, value[0]) {
+            *value = [v; 3];
+        }
+        return;
+    }
+    ui.horizontal(|ui| {
+        for (x, channel) in value.iter_mut().zip(["red", "green", "blue"]) {
+            if let Some(v) = NumberField::plain(&format!("{name} {channel}"), 62.0, 0.01).show(ui, *x) {
+                *x = v;
+            }
+        }
+    });
 }
 
 fn pair(ui: &mut Ui, name: &str, value: &mut [f64; 2], speed: f64) {

@@ -25,6 +25,10 @@ pub(super) fn read_common(file: &Path, bytes: &[u8]) -> Result<Image, AssetError
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Hdr)) {
         return Err(AssetError::malformed(file, "contents", "expected a PNG, JPEG or HDR picture, found something else"));
     }
+    // Decoders fill what is missing with grey and say nothing.
+    if reader.format() == Some(ImageFormat::Jpeg) && !is_jpeg_whole(bytes) {
+        return Err(AssetError::truncated(file, "contents", "expected the end of the picture, found the end of the file"));
+    }
     // The size is checked before anything is decoded; what remains of the limits bounds the decoder's own buffers.
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(8 << 30);
@@ -50,6 +54,12 @@ pub(super) fn read_common(file: &Path, bytes: &[u8]) -> Result<Image, AssetError
         other => other.into_rgba32f().pixels().map(|p| p.0).collect(),
     };
     Ok(Image { width, height, texels, is_eight_bit })
+}
+
+/// Whether an end-of-image marker comes after the last scan begins. Neither marker occurs within the data of a scan (ITU T.81, B.1.1.5).
+fn is_jpeg_whole(bytes: &[u8]) -> bool {
+    let last = |marker: u8| bytes.windows(2).rposition(|pair| pair == [0xff, marker]);
+    last(0xd9) > last(0xda)
 }
 
 fn common_error(file: &Path, problem: ImageError) -> AssetError {

@@ -4,6 +4,7 @@
 //! Objects are about 2 units wide. Closed bodies are watertight by position and never touch one another: a gap of
 //! [`GAP`] or more keeps rays that start on one from starting inside the next.
 
+mod backdrop;
 mod cloth;
 mod floor;
 mod lathe;
@@ -15,6 +16,8 @@ mod stand;
 mod torus;
 
 use glam::{Vec2, Vec3};
+
+pub use backdrop::{BACKDROPS, BackdropDef};
 
 use crate::mesh::{Mesh, Model, Part, Role};
 

@@ -7,6 +7,7 @@ use serde_json::{Map, Value as Json, json};
 use super::field::{FieldDef, Fields};
 use super::model::Notes;
 use crate::file::ASM_VERSION;
+use crate::foreign::ForeignError;
 use crate::material::{Material, Provenance};
 use crate::properties::Property;
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
@@ -113,11 +114,13 @@ pub fn read(json: &Json, table: Option<&[FieldDef]>, notes: &mut Notes) -> Optio
         }
     }
     for (format, entries) in json.get("foreign").and_then(Json::as_object).into_iter().flatten() {
-        let entries = entries.as_object().into_iter().flatten();
-        let entries = entries.filter_map(|(key, value)| Some((key.clone(), value.as_str()?.to_owned())));
-        material.foreign.entry(format.clone()).or_default().extend(entries);
+        for (key, value) in entries.as_object().into_iter().flatten() {
+            let text = value.as_str().map(str::to_owned).ok_or(ForeignError::NotJson);
+            if let Err(error) = text.and_then(|text| material.set_foreign(format, key, Some(text))) {
+                notes.push(format!("native copy: foreign.{format}.{key}: {error}; not read"));
+            }
+        }
     }
-    material.foreign.retain(|_, entries| !entries.is_empty());
     // A record without any of these parameters is of another make and says nothing about them.
     let translation =
         table.zip(json.get("translation")).filter(|(table, json)| table.iter().any(|def| json.get(def.name).is_some()));

@@ -1,5 +1,8 @@
 //! Reading: spans to values, and a warning for everything that is not as expected.
 
+mod foreign;
+mod texture;
+
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -9,7 +12,6 @@ use super::tree::{self, Block, Lines, Node};
 use super::{ASM_VERSION, FileError, MaterialFile, Unreadable, ValueSource, Warning};
 use crate::material::Material;
 use crate::properties::{PROPERTIES, Property};
-use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::{Kind, Value};
 
 /// Warnings beyond this number are counted, not listed, so that a strange file cannot fill the memory with messages.
@@ -110,6 +112,7 @@ impl<'a> Reader<'a> {
                     }
                     None => self.refuse_kind(node, "properties", "a map { … } of properties"),
                 },
+                "foreign" => self.foreign(node)?,
                 "sources" => {}
                 _ => self.unknown_key("", node, "unknown key"),
             }
@@ -188,53 +191,6 @@ impl<'a> Reader<'a> {
                 None
             }
         }
-    }
-
-    fn texture(&mut self, property: Property, node: &Node) -> Result<Option<TextureRef>, FileError> {
-        let prefix = format!("{}.texture", property.def().name);
-        let Some(block) = self.map(node) else {
-            let found = self.excerpt(&node.value);
-            self.refuse_of(property, &node.value, &prefix, &format!("expected a map {{ \"path\": … }}, found {found}"));
-            return Ok(None);
-        };
-        self.expect_unique(&block, &prefix)?;
-        let mut texture = TextureRef::new("");
-        let mut path = None;
-        for node in &block.nodes {
-            let text = self.text;
-            let word = self.string(node);
-            let result = match node.key.as_str() {
-                _ if !node.is_name => Ok(false),
-                "path" => word.map(|word| path = Some(word)).ok_or("a text in quotes".into()).map(|()| true),
-                "channel" => choose(word, Channel::from_word, Channel::ALL, &mut texture.channel),
-                "color_space" => choose(word, ColorSpace::from_word, ColorSpace::ALL, &mut texture.color_space),
-                "invert" => ron::from_str(&text[node.value.clone()])
-                    .map(|is_inverted| texture.is_inverted = is_inverted)
-                    .map_err(|_| "true or false".into())
-                    .map(|()| true),
-                "wrap" => choose(word, Wrap::from_word, Wrap::ALL, &mut texture.wrap),
-                "uv_scale" => pair(text, node, &mut texture.uv_scale),
-                "uv_offset" => pair(text, node, &mut texture.uv_offset),
-                "uv_rotation" => number(text, &node.value)
-                    .map(|degrees| texture.uv_rotation = degrees)
-                    .map_err(|_| "a finite number".into())
-                    .map(|()| true),
-                _ => Ok(false),
-            };
-            match result {
-                Ok(true) => {}
-                Ok(false) => self.unknown_key(&prefix, node, "unknown key"),
-                Err(expected) => {
-                    let key = format!("{prefix}.{}", node.key);
-                    let found = self.excerpt(&node.value);
-                    self.refuse_of(property, &node.value, &key, &format!("expected {expected}, found {found}"));
-                }
-            }
-        }
-        if path.is_none() && block.get("path").is_none() {
-            self.refuse_of(property, &node.value, &prefix, "expected a \"path\", found none");
-        }
-        Ok(path.map(|path| TextureRef { path, ..texture }))
     }
 
     fn texts(&mut self, node: &Node, key: &str) -> Vec<String> {
@@ -364,22 +320,6 @@ fn value(text: &str, span: &Range<usize>, kind: Kind) -> Result<Value, String> {
         Kind::Color => numbers(text, span).map(Value::Color).ok_or_else(wrong),
         Kind::Normal => numbers(text, span).map(Value::Normal).ok_or_else(wrong),
     }
-}
-
-fn pair(text: &str, node: &Node, target: &mut [f64; 2]) -> Result<bool, String> {
-    *target = numbers(text, &node.value).ok_or("two finite numbers (u, v)")?;
-    Ok(true)
-}
-
-fn choose<T: Copy>(
-    word: Option<String>,
-    from_word: fn(&str) -> Option<T>,
-    all: &[(T, &str)],
-    target: &mut T,
-) -> Result<bool, String> {
-    let expected = || all.iter().map(|(_, word)| format!("{word:?}")).collect::<Vec<_>>().join(" or ");
-    *target = word.as_deref().and_then(from_word).ok_or_else(expected)?;
-    Ok(true)
 }
 
 /// Where the value of one property comes from.

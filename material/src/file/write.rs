@@ -1,14 +1,19 @@
 //! Writing: what differs between two materials, and how it is spelled.
 
+mod texture;
+
+use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::MaterialFile;
 use super::edit::{Edits, INDENT};
 use super::tree::{self, Block, Node};
-use super::{MaterialFile, read};
+use crate::foreign::differing;
 use crate::material::{Material, Provenance};
 use crate::properties::{PROPERTIES, Property};
-use crate::slot::{Slot, TextureRef};
+use crate::slot::Slot;
 use crate::value::Value;
+pub(crate) use texture::{same_texture, texture};
 
 /// The source of `file` with the spans of what differs replaced.
 pub(super) fn to_text(file: &MaterialFile, edited: &Material) -> String {
@@ -22,7 +27,7 @@ pub(super) fn changed(a: &Material, b: &Material) -> usize {
     let slots = PROPERTIES.iter().filter(|def| !same_slot(a.slot(def.id), b.slot(def.id))).count();
     let provenance = TEXTS.iter().filter(|(_, get)| get(&a.provenance) != get(&b.provenance)).count();
     let others = [a.name != b.name, a.aliases != b.aliases, a.tags != b.tags, a.notes != b.notes, !same_unit(a, b)];
-    slots + provenance + others.into_iter().filter(|differs| *differs).count()
+    slots + provenance + others.into_iter().filter(|differs| *differs).count() + differing(a, b).len()
 }
 
 pub(crate) type TextOf = fn(&Provenance) -> &String;
@@ -31,10 +36,26 @@ pub(crate) const TEXTS: [(&str, TextOf); 4] =
     [("source", |p| &p.source), ("reference", |p| &p.reference), ("method", |p| &p.method), ("licence", |p| &p.licence)];
 
 /// What becomes of one entry of a map.
-enum Fate {
+enum Fate<'f> {
     Keep,
     Remove,
     Write(String),
+    /// The entry is a map: what becomes of its entries. One that is left without any goes, too.
+    Edit(Vec<(&'f str, Fate<'f>)>),
+}
+
+impl Fate<'_> {
+    /// The text of the entry where none stands yet; `None` if none comes.
+    fn fresh(self) -> Option<String> {
+        match self {
+            Self::Keep | Self::Remove => None,
+            Self::Write(new) => Some(new),
+            Self::Edit(fates) => {
+                let entries = fates.into_iter().filter_map(|(key, fate)| Some(format!("{}: {}", string(key), fate.fresh()?)));
+                map(&entries.collect::<Vec<_>>())
+            }
+        }
+    }
 }
 
 struct Writer<'a> {
@@ -72,49 +93,46 @@ impl<'a> Writer<'a> {
         self.entry(top, "unit_mm", unit, &mut changes);
 
         let fates = TEXTS.map(|(key, get)| (key, text_fate(get(&old.provenance), get(&new.provenance))));
-        self.map("provenance", fates, &mut changes);
+        self.entry(top, "provenance", Fate::Edit(fates.into()), &mut changes);
         self.properties(new, &mut changes);
+        self.entry(top, "foreign", foreign(old, new), &mut changes);
         self.edits.change_block(top, &changes.removed, &changes.added);
     }
 
     /// Carries out what becomes of a value; entries that come or go are left to the caller's `changes`.
     fn entry(&mut self, block: &Block, key: &str, fate: Fate, changes: &mut Changes) {
-        match (fate, block.find(key)) {
+        let index = block.find(key);
+        match (fate, index.map(|index| &block.nodes[index])) {
             (Fate::Keep, _) | (Fate::Remove, None) => {}
-            (Fate::Remove, Some(index)) => changes.removed.push(index),
-            (Fate::Write(new), Some(index)) => self.edits.replace_entry(block.nodes[index].value.clone(), &new),
-            (Fate::Write(new), None) => changes.added.push(format!("{}: {new}", string(key))),
+            (Fate::Remove, Some(_)) => changes.removed.extend(index),
+            (Fate::Write(new), Some(node)) => self.edits.replace_entry(node.value.clone(), &new),
+            (Fate::Edit(fates), Some(node)) => match self.block(&node.value, b"{") {
+                Some(inner) => {
+                    if self.inside(&inner, fates) {
+                        changes.removed.extend(index);
+                    }
+                }
+                // What stands there is no map and has no meaning.
+                None => {
+                    let new = Fate::Edit(fates).fresh();
+                    new.into_iter().for_each(|new| self.edits.replace_entry(node.value.clone(), &new));
+                }
+            },
+            (fate, None) => changes.added.extend(fate.fresh().map(|new| format!("{}: {new}", string(key)))),
         }
     }
 
-    /// Edits the map at `key` of the outermost map, which may be missing, unreadable or left without any entry.
-    fn map<const N: usize>(&mut self, key: &str, fates: [(&str, Fate); N], changes: &mut Changes) {
-        let top = &self.file.top;
-        let old = top.get(key).and_then(|node| self.block(&node.value, b"{"));
-        let mut inner = Changes::default();
-        let Some(block) = old else {
-            let written = fates.into_iter().filter_map(|(key, fate)| match fate {
-                Fate::Write(new) => Some(format!("{}: {new}", string(key))),
-                _ => None,
-            });
-            return self.new_map(key, written.collect(), changes);
-        };
+    /// Edits the entries of a map, unless all of them go and none comes: then it is left to the caller to take the map out.
+    fn inside(&mut self, block: &Block, fates: Vec<(&str, Fate)>) -> bool {
+        let mut changes = Changes::default();
         for (key, fate) in fates {
-            self.entry(&block, key, fate, &mut inner);
+            self.entry(block, key, fate, &mut changes);
         }
-        if !inner.removed.is_empty() && inner.removed.len() == block.nodes.len() && inner.added.is_empty() {
-            return self.entry(top, key, Fate::Remove, changes);
+        let is_left_empty = !changes.removed.is_empty() && changes.removed.len() == block.nodes.len() && changes.added.is_empty();
+        if !is_left_empty {
+            self.edits.change_block(block, &changes.removed, &changes.added);
         }
-        self.edits.change_block(&block, &inner.removed, &inner.added);
-    }
-
-    /// Writes a whole map at `key` of the outermost map, if there is anything to write.
-    fn new_map(&mut self, key: &str, entries: Vec<String>, changes: &mut Changes) {
-        if entries.is_empty() {
-            return;
-        }
-        let lines: String = entries.iter().map(|entry| format!("\n{INDENT}{entry},")).collect();
-        self.entry(&self.file.top, key, Fate::Write(format!("{{{lines}\n}}")), changes);
+        is_left_empty
     }
 
     fn texts(&mut self, key: &str, old: &[String], new: &[String], changes: &mut Changes) {
@@ -149,8 +167,8 @@ impl<'a> Writer<'a> {
         let old = &self.file.material;
         let differing = PROPERTIES.iter().map(|def| def.id).filter(|id| !same_slot(old.slot(*id), new.slot(*id)));
         let Some(block) = &self.file.properties else {
-            let entries = differing.map(|id| format!("{}: {}", string(id.def().name), slot(new.slot(id))));
-            return self.new_map("properties", entries.collect(), changes);
+            let fates = differing.map(|id| (id.def().name, Fate::Write(slot(new.slot(id)))));
+            return self.entry(&self.file.top, "properties", Fate::Edit(fates.collect()), changes);
         };
         let mut inner = Changes::default();
         for id in differing {
@@ -164,7 +182,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Edits one property that stands in the file, as deep inside as possible; returns what is left to do.
-    fn property(&mut self, property: Property, node: &Node, new: &Slot) -> Fate {
+    fn property(&mut self, property: Property, node: &Node, new: &Slot) -> Fate<'static> {
         let old = self.file.material.slot(property);
         let Some(block) = self.block(&node.value, b"{") else {
             return match (new.value, &new.texture) {
@@ -200,18 +218,12 @@ impl<'a> Writer<'a> {
                 Fate::Keep
             }
         };
-        let mut inner = Changes::default();
-        self.entry(&block, "value", value_fate, &mut inner);
-        self.entry(&block, "texture", texture_fate, &mut inner);
-        if !inner.removed.is_empty() && inner.removed.len() == block.nodes.len() && inner.added.is_empty() {
-            return Fate::Remove;
-        }
-        self.edits.change_block(&block, &inner.removed, &inner.added);
-        Fate::Keep
+        let is_left_empty = self.inside(&block, vec![("value", value_fate), ("texture", texture_fate)]);
+        if is_left_empty { Fate::Remove } else { Fate::Keep }
     }
 
     /// Of a colour, only the numbers that differ are replaced.
-    fn value(&mut self, span: &Range<usize>, old: Option<Value>, new: Value) -> Fate {
+    fn value(&mut self, span: &Range<usize>, old: Option<Value>, new: Value) -> Fate<'static> {
         let old = match old {
             Some(old) if old.kind() == new.kind() => old,
             _ => return Fate::Write(value(new)),
@@ -234,28 +246,19 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn texture(&mut self, node: &Node, old: &TextureRef, new: &TextureRef) {
-        let Some(block) = self.block(&node.value, b"{") else { return };
-        let mut changes = Changes::default();
-        let differing = texture_fields(old).into_iter().zip(texture_fields(new)).filter(|(old, new)| old != new);
-        for ((key, _), (_, new_text)) in differing {
-            let pairs = match key {
-                "uv_scale" => Some((old.uv_scale, new.uv_scale)),
-                "uv_offset" => Some((old.uv_offset, new.uv_offset)),
-                _ => None,
-            };
-            let node = block.get(key).filter(|node| read::numbers::<2>(self.text, &node.value).is_some());
-            match (pairs, node.and_then(|node| self.block(&node.value, b"(["))) {
-                (Some((old, new)), Some(items)) => self.numbers(&items, &old, &new),
-                _ => self.entry(&block, key, Fate::Write(new_text), &mut changes),
-            }
-        }
-        self.edits.change_block(&block, &[], &changes.added);
-    }
-
     fn block(&self, span: &Range<usize>, brackets: &[u8]) -> Option<Block> {
         tree::block_of(self.text, span, brackets)
     }
+}
+
+/// What becomes of the texts of other formats.
+fn foreign<'m>(old: &'m Material, new: &'m Material) -> Fate<'m> {
+    let mut formats: BTreeMap<&str, Vec<(&str, Fate)>> = BTreeMap::new();
+    for (format, key) in differing(old, new) {
+        let fate = new.foreign_text(format, key).map_or(Fate::Remove, |text| Fate::Write(string(text)));
+        formats.entry(format).or_default().push((key, fate));
+    }
+    Fate::Edit(formats.into_iter().map(|(format, fates)| (format, Fate::Edit(fates))).collect())
 }
 
 fn same_unit(a: &Material, b: &Material) -> bool {
@@ -276,14 +279,6 @@ pub(crate) fn same_value(a: Option<Value>, b: Option<Value>) -> bool {
     }
 }
 
-pub(crate) fn same_texture(a: Option<&TextureRef>, b: Option<&TextureRef>) -> bool {
-    match (a, b) {
-        (None, None) => true,
-        (Some(a), Some(b)) => texture_fields(a) == texture_fields(b),
-        _ => false,
-    }
-}
-
 fn same_numbers(a: &[f64], b: &[f64]) -> bool {
     a.iter().map(|x| x.to_bits()).eq(b.iter().map(|x| x.to_bits()))
 }
@@ -295,6 +290,13 @@ fn number(x: f64) -> String {
 
 fn tuple(numbers: &[f64]) -> String {
     format!("({})", numbers.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", "))
+}
+
+/// A map with a line for each entry; `None` without any.
+fn map(entries: &[String]) -> Option<String> {
+    let lines: String =
+        entries.iter().map(|entry| format!("\n{INDENT}{},", entry.replace('\n', &format!("\n{INDENT}")))).collect();
+    (!entries.is_empty()).then(|| format!("{{{lines}\n}}"))
 }
 
 /// A list of texts on one line.
@@ -325,29 +327,6 @@ pub(crate) fn value(value: Value) -> String {
         Value::Bool(x) => x.to_string(),
         Value::Color(x) | Value::Normal(x) => tuple(&x),
     }
-}
-
-/// All fields of a texture reference as they are written.
-fn texture_fields(t: &TextureRef) -> [(&'static str, String); 8] {
-    [
-        ("path", string(&t.path)),
-        ("channel", string(t.channel.word())),
-        ("color_space", string(t.color_space.word())),
-        ("invert", t.is_inverted.to_string()),
-        ("wrap", string(t.wrap.word())),
-        ("uv_scale", tuple(&t.uv_scale)),
-        ("uv_offset", tuple(&t.uv_offset)),
-        ("uv_rotation", number(t.uv_rotation)),
-    ]
-}
-
-/// A texture reference with its path and whatever is not at its default.
-pub(crate) fn texture(texture: &TextureRef) -> String {
-    let plain = texture_fields(&TextureRef::new(""));
-    let fields =
-        texture_fields(texture).into_iter().zip(plain).filter(|((key, text), (_, plain))| *key == "path" || text != plain);
-    let fields: Vec<_> = fields.map(|((key, text), _)| format!("{}: {text}", string(key))).collect();
-    format!("{{ {} }}", fields.join(", "))
 }
 
 pub(crate) fn slot(slot: &Slot) -> String {

@@ -5,7 +5,7 @@
 
 use crate::tonemap::srgb_decode;
 use burnish_assets::Image;
-use burnish_material::{Channel, ColorSpace, Kind, Property, TextureRef, Value};
+use burnish_material::{Affine, Channel, ColorSpace, Kind, Property, TextureRef, Value};
 use std::f32::consts::TAU;
 use std::sync::{Arc, OnceLock, Weak};
 
@@ -48,8 +48,8 @@ pub(super) struct Source {
     image: Arc<Image>,
     channel: Channel,
     is_srgb: bool,
-    /// The kind of the property that takes inverted values; `None` where values are taken as they are.
-    inverted: Option<Kind>,
+    /// Inversion, scale and bias of linear values; `None` where they are taken as they are.
+    affine: Option<Affine>,
     encoding: Encoding,
     /// What stands for a texel that is not finite.
     default: [f32; 3],
@@ -107,7 +107,7 @@ impl Source {
             image: image.clone(),
             channel: reference.channel,
             is_srgb,
-            inverted: reference.is_inverted.then_some(def.default.kind()),
+            affine: reference.affine(def.default.kind()),
             encoding: Encoding::of(property),
             default,
             decode,
@@ -119,7 +119,7 @@ impl Source {
     fn reads_as(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.image, &other.image)
             && (self.channel, self.is_srgb, self.encoding) == (other.channel, other.is_srgb, other.encoding)
-            && self.inverted == other.inverted
+            && self.affine == other.affine
             && self.default == other.default
     }
 
@@ -180,7 +180,7 @@ impl Source {
     #[inline(always)]
     fn averageable(&self, stored: [f32; 4]) -> [f32; 3] {
         let linear = self.linear(stored);
-        let linear = self.inverted.map_or(linear, |kind| kind.inverted(linear));
+        let linear = self.affine.map_or(linear, |affine| affine.apply(linear));
         let is_usable = linear.iter().all(|x| x.is_finite());
         match self.encoding {
             Encoding::Scalar | Encoding::Color => {
@@ -391,6 +391,37 @@ mod tests {
     }
 
     #[test]
+    fn scaled_values_are_linear_ones() {
+        let read = |property, texels: &[[f32; 4]], is_eight_bit, edit: &dyn Fn(&mut TextureRef)| {
+            let image = Arc::new(Image { width: texels.len(), height: 1, texels: texels.to_vec(), is_eight_bit });
+            let mut reference = TextureRef { scale: [2.0, 0.5, 1.0], bias: [0.125, -1.0, 0.0], ..TextureRef::new("a") };
+            edit(&mut reference);
+            Source::new(property, &reference, &image)
+        };
+        let one = |property, texel: [f32; 4], is_eight_bit, edit: &dyn Fn(&mut TextureRef)| {
+            let s = read(property, &[texel], is_eight_bit, edit);
+            assert_eq!(s.constant(), Some(s.value(s.texel(0, 0, 0))));
+            s.value(s.texel(0, 0, 0))
+        };
+        // Decoded, and of a scalar the mean taken, before anything is scaled.
+        let decoded = one(Property::base_color, [0.5, 0.0, 1.0, 1.0], true, &|_| {});
+        assert!(decoded.iter().zip([0.125 + 2.0 * 0.2158, -1.0, 1.0]).all(|(a, b)| (a - b).abs() < 4e-3), "{decoded:?}");
+        assert_eq!(one(Property::roughness, [0.25, 0.5, 0.75, 1.0], false, &|_| {}), [1.125; 3]);
+        assert_eq!(one(Property::roughness, [0.25, 0.5, 0.75, 1.0], false, &|r| r.is_inverted = true), [1.125; 3]);
+        assert_eq!(one(Property::roughness, [0.25, 0.5, 0.75, 1.0], false, &|r| r.channel = Channel::B), [1.625; 3]);
+        assert!((one(Property::anisotropy_rotation, [0.5; 4], false, &|_| {})[0] - 0.125).abs() < 1e-6);
+        // Directions are left alone, and so are texels that are no numbers.
+        assert_eq!(one(Property::normal, [0.5, 0.5, 1.0, 1.0], false, &|_| {}), [0.0, 0.0, 1.0]);
+        assert_eq!(one(Property::roughness, [f32::NAN; 4], false, &|_| {}), [0.3; 3]);
+        // Beyond single precision its end is read, at every level.
+        let huge = read(Property::height, &[[1e38; 4], [1e38; 4]], false, &|r| r.scale = [1e300; 3]);
+        assert_eq!([huge.value(huge.texel(0, 1, 0)), huge.value(huge.texel(1, 0, 0))], [[f32::MAX; 3]; 2]);
+        // Means of scaled values are scaled means.
+        let s = read(Property::base_color, &[[0.0; 4], [1.0; 4]], false, &|_| {});
+        assert_eq!(s.value(s.texel(1, 0, 0)), [1.125, -0.75, 0.5]);
+    }
+
+    #[test]
     fn images_are_averaged_once() {
         let image = Arc::new(Image { width: 4, height: 4, texels: vec![[0.5; 4]; 16], is_eight_bit: true });
         let mut sources = Sources::default();
@@ -403,6 +434,8 @@ mod tests {
         assert!(Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.uv_scale = [4.0, 4.0])));
         assert!(!Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.color_space = ColorSpace::Linear)));
         assert!(!Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.is_inverted = true)));
+        assert!(!Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.scale[1] = 0.5)));
+        assert!(!Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.bias[2] = 0.5)));
         assert!(!Arc::ptr_eq(&first, &get(Property::base_color, &|r| r.channel = Channel::A)));
         assert!(!Arc::ptr_eq(&first, &get(Property::roughness, &|_| {})));
         sources.drop_unused();

@@ -202,16 +202,14 @@ fn decode(texel: [f32; 4], property: Property, reference: &TextureRef, image: &I
         Channel::B => Some(linear(b)),
         Channel::A => Some(a),
     };
-    let color = picked.map_or_else(|| [linear(r), linear(g), linear(b)], |x| [x; 3]);
     let kind = def.default.kind();
-    let color = Vec3::from(if reference.is_inverted { kind.inverted(color) } else { color });
-    match kind {
-        Kind::Color => color,
-        Kind::Normal => color * 2.0 - 1.0,
-        // The mean of three equal numbers may round; a single channel is one number.
-        Kind::Float | Kind::Bool if picked.is_some() => color,
-        Kind::Float | Kind::Bool => Vec3::splat((color.x + color.y + color.z) / 3.0),
-    }
+    let color = match (picked, kind) {
+        (Some(x), _) => [x; 3],
+        (None, Kind::Color | Kind::Normal) => [linear(r), linear(g), linear(b)],
+        (None, Kind::Float | Kind::Bool) => [(linear(r) + linear(g) + linear(b)) / 3.0; 3],
+    };
+    let color = Vec3::from(reference.affine(kind).map_or(color, |affine| affine.apply(color)));
+    if kind == Kind::Normal { color * 2.0 - 1.0 } else { color }
 }
 
 /// The images of a scene's materials as one array of textures with mip levels.
@@ -392,6 +390,20 @@ mod tests {
         is_near(read(Property::normal, Channel::Rgb), [-0.6, 0.0, 0.6]);
         let srgb = |x: f32| 1.0 - crate::tonemap::srgb_decode(x);
         is_near(read(Property::base_color, Channel::Rgb), [srgb(0.2), srgb(0.5), srgb(0.8)]);
+    }
+
+    #[test]
+    fn scaled_texels_are_those_of_the_final_view() {
+        let image = Image { width: 1, height: 1, texels: vec![[0.25, 0.5, 0.75, 0.125]], is_eight_bit: false };
+        let read = |property, channel| {
+            let (scale, bias) = ([2.0, 0.5, 1.0], [0.125, -1.0, 0.0]);
+            decode(image.texels[0], property, &TextureRef { scale, bias, channel, ..TextureRef::new("a") }, &image)
+        };
+        assert_eq!(read(Property::base_color, Channel::Rgb), Vec3::new(0.625, -0.75, 0.75));
+        assert_eq!(read(Property::base_color, Channel::A), Vec3::new(0.375, -0.9375, 0.125));
+        assert_eq!(read(Property::roughness, Channel::Rgb), Vec3::splat(1.125));
+        assert_eq!(read(Property::height, Channel::A), Vec3::splat(0.375));
+        assert_eq!(read(Property::normal, Channel::Rgb), Vec3::new(-0.5, 0.0, 0.5));
     }
 
     #[test]

@@ -70,6 +70,7 @@ fn texel_range(property: Property, reference: &TextureRef, image: &Image) -> [[f
         ColorSpace::Srgb => true,
         ColorSpace::Linear => false,
     };
+    let affine = reference.affine(default.kind());
     let decode = |x: f32| if is_srgb { srgb_decode(x) } else { x };
     let stand_in = match default {
         Value::Float(x) => [x; 3],
@@ -87,7 +88,7 @@ fn texel_range(property: Property, reference: &TextureRef, image: &Image) -> [[f
             Channel::B => [b; 3],
             Channel::A => [texel[3]; 3],
         };
-        let value = if reference.is_inverted { default.kind().inverted(value) } else { value };
+        let value = affine.map_or(value, |affine| affine.apply(value));
         for k in 0..3 {
             let x = if value[k].is_finite() { f64::from(value[k]) } else { stand_in[k] };
             range[0][k] = range[0][k].min(x);
@@ -108,5 +109,15 @@ mod tests {
         assert_eq!(of(Property::roughness, false), [[0.25; 3], [0.875; 3]]);
         assert_eq!(of(Property::roughness, true), [[0.125; 3], [0.75; 3]]);
         assert_eq!(of(Property::normal, true), [[0.25, 0.125, 0.25], [0.875, 0.75, 0.875]]);
+    }
+
+    #[test]
+    fn ranges_of_scaled_images_are_scaled() {
+        let image = Image { width: 2, height: 1, texels: vec![[0.25; 4], [0.875; 4]], is_eight_bit: false };
+        let reference = TextureRef { scale: [-2.0, 0.0, 1.0], bias: [1.0, 0.5, 0.0], ..TextureRef::new("a") };
+        let of = |property| texel_range(property, &reference, &image);
+        assert_eq!(of(Property::base_color), [[-0.75, 0.5, 0.25], [0.5, 0.5, 0.875]]);
+        assert_eq!(of(Property::height), [[-0.75; 3], [0.5; 3]]);
+        assert_eq!(of(Property::normal), [[0.25; 3], [0.875; 3]]);
     }
 }

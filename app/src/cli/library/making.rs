@@ -7,7 +7,7 @@ use crate::cli::render::{error_text, relmse, transform};
 use crate::cli::scene_options::{self, SceneOptions, positive};
 use crate::cli::{CliError, Messages, interrupt};
 use crate::library::entry::Entry;
-use crate::library::maker::Maker;
+use crate::library::maker::{Limits, Maker};
 use crate::library::setup::{DEFAULT_RELMSE, DEFAULT_SECONDS, DEFAULT_SIDE, Frame, Made, Setup, Stage};
 use crate::library::shelf::{Shelf, State};
 use burnish_assets::{ENVIRONMENTS, SHAPES};
@@ -48,6 +48,7 @@ impl SmallPictureOptions {
         let stage = Stage {
             scene: loaded.scene,
             shape: name_of(&options.mesh, SHAPES.iter().map(|def| def.name).collect()),
+            backdrop: options.backdrop,
             environment: name_of(&options.environment, ENVIRONMENTS.iter().map(|def| def.name).collect()),
             has_unit: options.scene.is_none() || options.unit_mm.is_some(),
         };
@@ -72,7 +73,8 @@ impl SmallPictureOptions {
         let is_chosen =
             |entry: &Entry, shelf: &Shelf| entry.problem.is_none() && only.contains(&shelf.state(entry, setup.digest()));
         let mut left = entries.iter().filter(|entry| is_chosen(entry, shelf)).count();
-        let mut maker = Maker::new(root, setup, self.scene.threads(), self.time_limit.unwrap_or(DEFAULT_SECONDS));
+        let limits = Limits { seconds: self.time_limit.unwrap_or(DEFAULT_SECONDS), threads: self.scene.threads() };
+        let mut maker = Maker::new(root, setup, limits);
         let (mut done, mut seconds) = (0, 0.0);
         let mut line = ProgressLine::new();
         let mut rows: Vec<Row> = Vec::with_capacity(entries.len());

@@ -128,7 +128,7 @@ impl Checker<'_> {
             let message = match library.shelf.state(entry, library.setup) {
                 State::Fresh => None,
                 State::Stale => Some("the small picture is stale: taken of other values or in another way"),
-                State::Missing => Some("there is no small picture"),
+                State::Draft | State::Missing => Some("there is no small picture"),
             };
             if let Some(message) = message {
                 report.add(path, None, Severity::Note, "", message.to_owned(), Kind::Thumbnail);

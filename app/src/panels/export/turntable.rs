@@ -2,7 +2,7 @@
 
 use super::picture::{stop_fields, whole};
 use super::{Around, ExportAction, ExportPanel, heading, note, row, section};
-use crate::live_export::{FrameState, Row};
+use crate::live_export::{FrameState, Row, due};
 use crate::offline::picture_options::stop_rules;
 pub use crate::offline::turntable::duration;
 use crate::offline::turntable::{MAX_FRAMES, Turn};
@@ -62,10 +62,7 @@ impl ExportPanel {
 
     /// Frames that are due since they hit their time limit, and for other reasons.
     pub fn due(&self) -> (usize, usize) {
-        let rules = self.frame_rules();
-        let due: Vec<&Row> = self.rows.iter().filter(|row| row.is_due(&rules)).collect();
-        let limited = due.iter().filter(|row| row.state == FrameState::Limited).count();
-        (limited, due.len() - limited)
+        due(&self.rows, &self.frame_rules())
     }
 
     fn frame_rules(&self) -> StopRules {
