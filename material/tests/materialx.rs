@@ -4,6 +4,7 @@ mod common;
 
 use burnish_material::exchange::loss::Fate;
 use burnish_material::exchange::materialx::{ReadMaterial, WriteOptions, read, write};
+use burnish_material::exchange::plan::{Job, Texel};
 use burnish_material::exchange::{MODELS, ShadingModel};
 use burnish_material::{Channel, ColorSpace, Kind, Material, PROPERTIES, Property, Provenance, TextureRef, Value, Vary, Wrap};
 use proptest::prelude::*;
@@ -270,7 +271,11 @@ fn images_that_no_file_holds_are_planned() {
     material.slot_mut(Property::specular_level).texture = Some(TextureRef::new("l.png"));
     let options = WriteOptions { folder: "maps/", path: &|path| format!("images/{path}"), ..WriteOptions::default() };
     let written = write(&[&material], &options);
-    let planned: Vec<_> = written.materials[0].images.iter().map(|image| (image.file.as_str(), image.divisor)).collect();
+    let factor = |image: &Job| match image.channels[0] {
+        Texel::Number { factor, .. } => factor,
+        other => panic!("{other:?}"),
+    };
+    let planned: Vec<_> = written.materials[0].images.iter().map(|image| (image.file.as_str(), factor(image))).collect();
     let expected = [
         ("maps/Two_maps_specular_weight.png", 2.0),
         ("maps/Two_maps_specular_roughness.png", 1.0),

@@ -16,7 +16,9 @@ pub mod merge;
 pub mod model;
 pub mod models;
 pub mod native;
+pub mod plan;
 pub mod texture;
 pub mod usd;
+pub mod uv;
 
 pub use model::{MODELS, ShadingModel};

@@ -221,13 +221,13 @@ fn images_that_must_be_computed_are_planned() {
     let export = export(&[&material]);
     let plan = |model: &str, name: &str| {
         let path = format!("textures/two_maps_{model}_{name}.png");
-        let image = export.images.iter().find(|image| image.path == path).unwrap_or_else(|| panic!("{:?}", export.images));
+        let image = export.images.iter().find(|image| image.job.file == path).unwrap_or_else(|| panic!("{:?}", export.images));
         assert!(export.text.contains(&format!("@./{path}@")));
-        (image.from.clone(), image.channels.len(), image.color_space, image.model)
+        (image.job.from.clone(), image.job.is_srgb, image.model.name)
     };
     let rough = vec![Property::roughness, Property::anisotropy];
-    assert_eq!(plan("open_pbr_surface", "specular_roughness"), (rough, 1, ColorSpace::Linear, "open_pbr_surface"));
+    assert_eq!(plan("open_pbr_surface", "specular_roughness"), (rough, false, "open_pbr_surface"));
     let clear = vec![Property::opacity, Property::translucency];
-    assert_eq!(plan("usd_preview_surface", "opacity"), (clear, 1, ColorSpace::Linear, "usd_preview_surface"));
+    assert_eq!(plan("usd_preview_surface", "opacity"), (clear, false, "usd_preview_surface"));
     assert_comes_back(&[&material]);
 }

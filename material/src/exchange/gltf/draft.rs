@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::plan::{Job, Texel};
 use super::slots::{self, SLOTS, Slot, field};
 use super::uri;
 use super::write::{Facts, Options, Part};

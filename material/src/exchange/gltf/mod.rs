@@ -31,6 +31,6 @@ pub use document::Written;
 pub use error::{GltfError, Wrong};
 pub use images::{Image, MAX_EMBEDDED_BYTES, Source};
 pub use mesh::Mesh;
-pub use plan::{Copy, Job, Plan, Texel};
+pub use plan::{Copy, Plan};
 pub use read::{Document, Found, MAX_JSON_BYTES, MAX_JSON_VALUES, MAX_MATERIALS, MAX_TEXTURES, read};
 pub use write::{Facts, Options, Part, write};

@@ -4,6 +4,7 @@ use super::color::Space;
 use super::numbers::{Part, Parts};
 use super::walk::{COORDINATES, Normal, Term, Walk, shortened};
 use super::xml::Id;
+use crate::exchange::uv::{offset_from_above, offset_from_below};
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
 
@@ -231,9 +232,11 @@ impl ImageSource {
         (texture.color_space, texture.wrap) = (self.space, self.wrap);
         let row = |k: usize| [self.uv[k].weights[0], self.uv[k].weights[1]];
         let ([a, b], [c, d]) = (row(0), row(1));
-        texture.uv_offset = [self.uv[0].bias, self.uv[1].bias].map(tidied);
+        let offset = [self.uv[0].bias, self.uv[1].bias];
+        let above = |texture: &TextureRef| offset_from_above(texture.uv_scale, texture.uv_rotation, offset).map(tidied);
         if b == 0.0 && c == 0.0 {
             texture.uv_scale = [a, d].map(tidied);
+            texture.uv_offset = above(&texture);
             return Some(texture);
         }
         let size = a.hypot(c).max(b.hypot(d));
@@ -244,6 +247,7 @@ impl ImageSource {
         let (sin, cos) = angle.sin_cos();
         texture.uv_scale = [a.hypot(c), d * cos - b * sin].map(tidied);
         texture.uv_rotation = tidied(angle.to_degrees());
+        texture.uv_offset = above(&texture);
         Some(texture)
     }
 }
@@ -315,7 +319,7 @@ fn without_curve(texture: TextureRef) -> TextureRef {
 /// The binding that a reader finds after this one was written for a parameter of this kind; none where nothing of the image is left.
 pub fn reread(texture: &TextureRef, kind: Kind) -> Option<TextureRef> {
     let uv = Parts { count: 2, parts: [0, 1, 2, 3].map(|k| Part::channel(COORDINATES, k.min(1))) };
-    let ([su, sv], [tu, tv]) = (texture.uv_scale, texture.uv_offset);
+    let ([su, sv], [tu, tv]) = (texture.uv_scale, offset_from_below(texture));
     let uv = placed(&uv, [0.0; 2], [1.0 / su, 1.0 / sv], -texture.uv_rotation, [-tu, -tv], true)?;
     let image =
         ImageSource { path: texture.path.clone(), space: texture.color_space, wrap: texture.wrap, uv: [uv.at(0), uv.at(1)] };

@@ -26,7 +26,6 @@ mod write;
 mod xml;
 mod xml_write;
 
-pub use plan::PlannedImage;
 pub use read::{MAX_MATERIALS, ReadMaterial, read};
 pub use surfaces::{SURFACES, Surface};
 pub use write::{WriteOptions, Written, WrittenMaterial, write};

@@ -1,33 +1,8 @@
-//! Images that a document needs and that have to be computed first: the caller computes and writes them, texel by texel.
+//! How bright images have to be that are computed for a document.
 
-use crate::exchange::model::ShadingModel;
 use crate::exchange::texture::Image;
 use crate::properties::Inputs;
-use crate::slot::ColorSpace;
 use crate::value::Value;
-
-/// An image to compute: at each texel the properties take their images' values, the model is translated, and the parameter's components
-/// are stored.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlannedImage {
-    /// Its file, relative to the document.
-    pub file: String,
-    /// What the red, green and blue channels hold: place of the parameter in the model's table, and component. One entry is a grey image.
-    pub channels: Vec<(usize, usize)>,
-    /// What the parameter's numbers are divided by before they are stored, so that they lie within 0 and 1.
-    pub divisor: f64,
-    /// How they are stored.
-    pub color_space: ColorSpace,
-}
-
-impl PlannedImage {
-    /// The image of a parameter, one component per channel.
-    pub fn of(model: &ShadingModel, image: &Image, file: String, largest: f64) -> Option<Self> {
-        let count = model.fields.get(image.field)?.default.numbers().len();
-        let color_space = if count == 3 { ColorSpace::Srgb } else { ColorSpace::Linear };
-        Some(Self { file, channels: (0..count).map(|k| (image.field, k)).collect(), divisor: largest.max(1.0), color_space })
-    }
-}
 
 /// The largest number that a parameter takes while the images that decide about it run from 0 to 1: at the corners, which is exact where the
 /// formula is a product of straight lines.

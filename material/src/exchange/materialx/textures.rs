@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use super::image::{factors, refusal, reread};
 use super::numbers;
 use super::xml_write::Xml;
+use crate::exchange::uv::offset_from_below;
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
 
@@ -156,7 +157,7 @@ impl TextureGraph {
             return own;
         }
         let scale = numbers::list(&texture.uv_scale.map(|s| 1.0 / s));
-        let offset = numbers::list(&texture.uv_offset.map(|t| -t));
+        let offset = numbers::list(&offset_from_below(texture).map(|t| -t));
         let rotate = numbers::text(-texture.uv_rotation);
         self.node(
             "place2d",

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::definition::{self, NODE, type_of, value_text};
 use super::native_copy;
-use super::plan::{PlannedImage, largest};
+use super::plan::largest;
 use super::textures::{TextureGraph, writable};
 use super::xml_write::Xml;
 use super::{foreign, numbers};
@@ -12,9 +12,10 @@ use crate::exchange::field::{FieldDef, Fields};
 use crate::exchange::loss::Row;
 use crate::exchange::model::{Context, Notes, ShadingModel};
 use crate::exchange::models::open_pbr;
+use crate::exchange::plan::Job;
 use crate::file::ASM_VERSION;
 use crate::material::Material;
-use crate::slot::TextureRef;
+use crate::slot::{ColorSpace, TextureRef};
 use crate::value::{Kind, Value};
 
 /// How a document is written.
@@ -48,7 +49,7 @@ pub struct WrittenMaterial {
     /// Name in the document.
     pub name: String,
     /// Images to compute.
-    pub images: Vec<PlannedImage>,
+    pub images: Vec<Job>,
     /// What the translation costs, for programs that know nothing of the native copy.
     pub rows: Vec<Row>,
     /// What did not go as it stands.
@@ -211,12 +212,7 @@ struct WrittenFields {
 }
 
 /// Translates a material. Images that cannot be written cost a note, and their parameter keeps its uniform value.
-fn translated(
-    material: &Material,
-    name: &str,
-    options: &WriteOptions,
-    notes: &mut Notes,
-) -> (WrittenFields, Vec<PlannedImage>, Vec<Row>) {
+fn translated(material: &Material, name: &str, options: &WriteOptions, notes: &mut Notes) -> (WrittenFields, Vec<Job>, Vec<Row>) {
     let model = options.surface;
     let context = Context::of(material);
     let mut translation = model.translate(material, &context);
@@ -224,11 +220,12 @@ fn translated(
     let mut planned = Vec::new();
     for image in &translation.images {
         let Some(def) = model.fields.get(image.field) else { continue };
-        let largest = largest(image, &inputs, |i| (model.translate)(i, &context).get(image.field).copied());
+        let largest = largest(image, &inputs, |i| (model.translate)(i, &context).get(image.field).copied()).max(1.0);
         let file = format!("{}{name}_{}.png", options.folder, def.name);
-        if let Some(plan) = PlannedImage::of(model, image, file, largest) {
+        if let Some(plan) = Job::of_parameter(model, image, file, largest) {
             let mut texture = TextureRef::new(plan.file.clone());
-            (texture.color_space, texture.scale) = (plan.color_space, [plan.divisor; 3]);
+            texture.color_space = if plan.is_srgb { ColorSpace::Srgb } else { ColorSpace::Linear };
+            texture.scale = [largest; 3];
             if let Some(field) = translation.fields.0.get_mut(image.field) {
                 (field.texture, field.is_authored) = (Some(texture), true);
             }
@@ -266,7 +263,7 @@ fn translated(
 pub(super) fn expected(model: &'static ShadingModel, material: &Material) -> (Fields, Vec<usize>) {
     let options = WriteOptions { surface: model, ..WriteOptions::default() };
     let (fields, planned, _) = translated(material, &material.name, &options, &mut Notes::new());
-    let computed = planned.iter().flat_map(|plan| &plan.channels).map(|(field, _)| *field).collect();
+    let computed = planned.iter().flat_map(Job::fields).collect();
     (fields.found, computed)
 }
 

@@ -4,6 +4,7 @@ use super::connections::{Source, constant, follow, numbers, shader_id, text};
 use super::layer::{Layer, PrimId, entry};
 use super::numbers::{file_path, single};
 use crate::exchange::model::Notes;
+use crate::exchange::uv::{offset_from_above, offset_from_below};
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
 
@@ -162,7 +163,8 @@ fn materialx_image(layer: &Layer, shader: PrimId, operation: &str, notes: &mut N
     coordinates(layer, shader, "texcoord", &mut texture, notes);
     if operation == "tiledimage" {
         texture.uv_scale = numbers(layer, shader, "uvtiling").unwrap_or(texture.uv_scale);
-        texture.uv_offset = numbers::<2>(layer, shader, "uvoffset").map_or(texture.uv_offset, |offset| offset.map(|x| -x));
+        let offset = numbers::<2>(layer, shader, "uvoffset").unwrap_or([0.0; 2]).map(|x| -x);
+        texture.uv_offset = offset_from_above(texture.uv_scale, texture.uv_rotation, offset);
     }
     Ok(Found { texture, normal_scale: 1.0 })
 }
@@ -198,8 +200,9 @@ fn coordinates(layer: &Layer, shader: PrimId, input: &str, texture: &mut Texture
         let next = match id.strip_prefix("ND_").unwrap_or(id) {
             "UsdTransform2d" if step == 0 => {
                 texture.uv_scale = pair("scale").unwrap_or([1.0; 2]).map(single);
-                texture.uv_offset = pair("translation").unwrap_or([0.0; 2]).map(single);
                 texture.uv_rotation = single(turn("rotation"));
+                let offset = pair("translation").unwrap_or([0.0; 2]).map(single);
+                texture.uv_offset = offset_from_above(texture.uv_scale, texture.uv_rotation, offset);
                 "inputs:in"
             }
             "place2d_vector2" if step == 0 => {
@@ -208,8 +211,9 @@ fn coordinates(layer: &Layer, shader: PrimId, input: &str, texture: &mut Texture
                     return notes.push(format!("the image `{}`: expected a scale of uv other than 0; not read", texture.path));
                 }
                 texture.uv_scale = scale.map(|s| single(1.0 / s));
-                texture.uv_offset = pair("offset").unwrap_or([0.0; 2]).map(|x| single(-x));
                 texture.uv_rotation = single(-turn("rotate"));
+                let offset = pair("offset").unwrap_or([0.0; 2]).map(|x| single(-x));
+                texture.uv_offset = offset_from_above(texture.uv_scale, texture.uv_rotation, offset);
                 "inputs:texcoord"
             }
             "geompropvalue_vector2" | "texcoord_vector2" | "UsdPrimvarReader_float2" | "UsdPrimvarReader_vector2" => return,
@@ -257,7 +261,8 @@ pub(super) fn as_written(kind: Kind, texture: &TextureRef, path: &str) -> Textur
         }
     }
     (out.scale, out.bias) = (out.scale.map(single), out.bias.map(single));
-    (out.uv_scale, out.uv_offset) = (out.uv_scale.map(single), out.uv_offset.map(single));
-    out.uv_rotation = single(out.uv_rotation);
+    let offset = offset_from_below(&out).map(single);
+    (out.uv_scale, out.uv_rotation) = (out.uv_scale.map(single), single(out.uv_rotation));
+    out.uv_offset = offset_from_above(out.uv_scale, out.uv_rotation, offset);
     out
 }

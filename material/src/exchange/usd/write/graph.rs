@@ -2,6 +2,7 @@
 
 use super::super::numbers::{asset, number, tuple};
 use super::text::Text;
+use crate::exchange::uv::offset_from_below;
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
 
@@ -108,7 +109,7 @@ impl<'o> Graph<'o> {
             format!("float2 inputs:in.connect = {st}"),
             format!("float inputs:rotation = {}", number(texture.uv_rotation)),
             format!("float2 inputs:scale = {}", tuple(&texture.uv_scale)),
-            format!("float2 inputs:translation = {}", tuple(&texture.uv_offset)),
+            format!("float2 inputs:translation = {}", tuple(&offset_from_below(texture))),
         ];
         self.node("Transform", lines, ("float2", "result"))
     }
@@ -187,7 +188,7 @@ impl<'o> Graph<'o> {
             format!("float2 inputs:texcoord.connect = {st}"),
             format!("float2 inputs:scale = {}", tuple(&scale)),
             format!("float inputs:rotate = {}", number(-texture.uv_rotation)),
-            format!("float2 inputs:offset = {}", tuple(&texture.uv_offset.map(|x| -x))),
+            format!("float2 inputs:offset = {}", tuple(&offset_from_below(texture).map(|x| -x))),
         ];
         self.node("Place", lines, ("float2", "out"))
     }

@@ -5,12 +5,13 @@ mod mesh;
 mod surfaces;
 mod text;
 
-use super::super::model::Notes;
+use super::super::model::{Notes, ShadingModel};
+use super::super::plan::Job;
 use super::copy;
 use super::numbers::{double, quoted};
 use crate::material::Material;
 use crate::properties::{PROPERTIES, Property};
-use crate::slot::{ColorSpace, TextureRef};
+use crate::slot::TextureRef;
 use graph::Graph;
 pub use mesh::MeshArrays;
 use surfaces::Surfaces;
@@ -37,22 +38,13 @@ pub struct Export {
     pub notes: Notes,
 }
 
-/// An image that the caller computes: at each texel the properties take their images' values, the model is translated, and components of
-/// its parameters become the channels.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// An image that the caller computes.
+#[derive(Clone, Debug)]
 pub struct ComputedImage {
-    /// Place of the material in the list.
-    pub material: usize,
-    /// Name of the model, as in [`crate::exchange::MODELS`].
-    pub model: &'static str,
-    /// Properties whose images decide.
-    pub from: Vec<Property>,
-    /// File beside the layer, 8 bits for each channel, PNG.
-    pub path: String,
-    /// For red, or red, green and blue: the place of the parameter in the model's table, and which of its numbers.
-    pub channels: Vec<(usize, usize)>,
-    /// `Srgb` for colours, `Linear` for data.
-    pub color_space: ColorSpace,
+    /// Whose parameters it holds.
+    pub model: &'static ShadingModel,
+    /// What it holds.
+    pub job: Job,
 }
 
 /// Writes materials as a layer. The same input makes the same text; no number in it is NaN or infinite.

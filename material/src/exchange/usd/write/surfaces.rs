@@ -10,6 +10,7 @@ use super::{ComputedImage, Options};
 use crate::exchange::field::FieldDef;
 use crate::exchange::model::{Context, ShadingModel, Translation};
 use crate::exchange::models::{open_pbr, usd_preview};
+use crate::exchange::plan::Job;
 use crate::material::Material;
 use crate::properties::PROPERTIES;
 use crate::slot::{ColorSpace, TextureRef};
@@ -149,14 +150,8 @@ impl Surfaces<'_, '_> {
             (Some(texture), _) => Some(as_written(kind, texture, &(self.options.path_of)(texture))),
             (None, Some(image)) => {
                 let texture = self.computed(model, def, place);
-                self.images.push(ComputedImage {
-                    material: self.place,
-                    model: model.name,
-                    from: image.from.clone(),
-                    path: texture.path.clone(),
-                    channels: (0..def.default.numbers().len()).map(|k| (place, k)).collect(),
-                    color_space: texture.color_space,
-                });
+                let job = Job { material: self.place, ..Job::of_parameter(model, image, texture.path.clone(), 1.0)? };
+                self.images.push(ComputedImage { model, job });
                 Some(as_written(kind, &texture, &texture.path))
             }
             (None, None) => None,
