@@ -381,6 +381,6 @@ mod tests {
             uv: [parts.at(0), parts.at(1)],
         };
         let texture = image.placed().expect("a transform");
-        assert_eq!((texture.uv_scale, texture.uv_offset, texture.uv_rotation), ([2.0, 3.0], [0.1, 0.2], 30.0));
+        assert_eq!((texture.uv_scale, texture.uv_offset, texture.uv_rotation), ([2.0, 3.0], [-1.4, -1.798076], 30.0));
     }
 }
