@@ -26,7 +26,7 @@ impl Step {
 /// About how much memory a material takes.
 fn size(material: &Material) -> usize {
     let texts = [&material.name, &material.notes, &material.provenance.source, &material.provenance.reference];
-    let foreign = material.foreign.iter().flat_map(|(_, texts)| texts.iter().map(|(key, text)| key.len() + text.len()));
+    let foreign = material.foreign.values().flat_map(|texts| texts.iter().map(|(key, text)| key.len() + text.len()));
     let maps = material.slots().filter_map(|(_, slot)| slot.texture.as_ref()).map(|texture| texture.path.len());
     size_of::<Material>()
         + PROPERTIES.len() * size_of::<Slot>()

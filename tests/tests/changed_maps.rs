@@ -113,7 +113,7 @@ fn compare(tolerance: f64, mut draw: impl FnMut(&Scene) -> Vec<[f32; 3]>) {
             let [by_reference, in_image] = changed(property, &material, change).map(|scene| draw(&scene));
             let (same, other) = (apart(&by_reference, &in_image), apart(&by_reference, &plain));
             let name = property.def().name;
-            println!("{name}, {change:?}: {same:.6} from the changed image, {other:.3} from the plain one");
+            eprintln!("{name}, {change:?}: {same:.6} from the changed image, {other:.3} from the plain one");
             assert!(same < tolerance, "{name}, {change:?}: {same}");
             assert!(if change.is_idle(property) { other == 0.0 } else { other > 0.01 }, "{name}, {change:?}: {other}");
         }

@@ -295,7 +295,7 @@ fn quick_setup() -> Setup {
     let names = [Some("sphere".to_owned()), Some("white-furnace".to_owned())];
     let [shape, environment] = names;
     let frame = Frame { width: 16, height: 16, relmse: 0.01, ..Frame::default() };
-    Setup::new(Stage { scene, shape, environment, has_unit: true }, frame, Vec::new())
+    Setup::new(Stage { scene, shape, backdrop: None, environment, has_unit: true }, frame, Vec::new())
 }
 
 #[test]

@@ -58,7 +58,8 @@ fn slow_and_quick(root: &Path) -> (Vec<Arc<Entry>>, Arc<Setup>) {
     let light = EnvironmentLight { map: Arc::new(make_environment("black").unwrap()), rotation_deg: 0.0, scale: 1.0 };
     let scene = Scene::of_model(&model, Arc::default(), Arc::default(), light, model.unit_mm);
     let frame = Frame { width: 16, height: 16, relmse: 1e-12, ..Frame::default() };
-    let stage = Stage { scene, shape: Some("sphere".to_owned()), environment: Some("black".to_owned()), has_unit: true };
+    let (shape, environment) = (Some("sphere".to_owned()), Some("black".to_owned()));
+    let stage = Stage { scene, shape, backdrop: None, environment, has_unit: true };
     let (mut slow, quick) = (Material::named("slow"), Material::named("quick"));
     slow.set(Property::emission, Value::Float(1.0));
     let text = |material: &Material| MaterialFile::new(material).text().to_owned();
