@@ -12,6 +12,7 @@ pub mod path;
 pub mod preview;
 pub mod scene;
 pub mod stability;
+pub mod texel;
 pub mod tonemap;
 pub mod vector;
 pub mod worker;

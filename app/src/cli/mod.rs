@@ -6,6 +6,7 @@
 pub mod check;
 pub mod compare;
 pub mod converge;
+pub mod convert;
 pub mod diff;
 pub mod features;
 mod interrupt;
@@ -36,7 +37,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["convert", "shader"];
+const LATER_COMMANDS: &[&str] = &["shader"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -70,6 +71,8 @@ enum Command {
     Presets(presets::PresetsArguments),
     /// Checks material files, or all in a folder: whether they can be read, and what is hardly meant
     Check(check::CheckArguments),
+    /// Writes a material in another format, and tells what that costs
+    Convert(Box<convert::ConvertArguments>),
     /// Lists what two materials differ in, value by value
     Diff(Box<diff::DiffArguments>),
     /// Puts two versions of a material together that were made from a third
@@ -200,6 +203,7 @@ pub fn main() -> ExitCode {
                 Command::Parity(arguments) => parity::run(&arguments),
                 Command::Presets(arguments) => presets::run(&arguments),
                 Command::Check(arguments) => check::run(&arguments),
+                Command::Convert(arguments) => convert::run(&arguments),
                 Command::Diff(arguments) => diff::run(&arguments),
                 Command::Merge(arguments) => merge::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),

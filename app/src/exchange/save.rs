@@ -4,7 +4,7 @@ use super::bake::bake;
 use super::error::{ExchangeError, Fault};
 use super::open::Embedded;
 use super::{Format, FormatDef};
-use crate::export::encode_rgba8;
+use crate::export::rgba_png;
 use crate::files::{self, save_atomic};
 use burnish_assets::{Image, Mesh};
 use burnish_material::exchange::loss::Row;
@@ -132,7 +132,15 @@ fn stem(path: &Path) -> String {
 /// The text of the native file, with its images named from the folder it goes to.
 fn native(source: &Source, folder: Option<&Path>, beside: &mut Beside) -> Vec<u8> {
     let mut material = source.material.clone();
-    files::move_textures_except(&mut material, source.folder.as_deref(), folder, |path| source.embedded.contains_key(path));
+    files::move_textures(&mut material, source.folder.as_deref(), folder);
+    // Images that no file held lie beside the new one.
+    for def in burnish_material::PROPERTIES {
+        if let Some(held) = source.material.slot(def.id).texture.as_ref().filter(|held| source.embedded.contains_key(&held.path))
+            && let Some(texture) = &mut material.slot_mut(def.id).texture
+        {
+            texture.path.clone_from(&held.path);
+        }
+    }
     for (path, bytes) in &source.embedded {
         beside.files.insert(path.clone(), bytes.to_vec());
     }
@@ -194,7 +202,7 @@ fn of_gltf(
             None => beside.notes.push(format!("{}: expected an image, found none; not copied", copy.path)),
         }
     }
-    compute(&written.plan.jobs, &gltf::MODEL, sources, &contexts, beside, go_on)?;
+    compute(&written.plan.jobs, &burnish_material::exchange::models::gltf::MODEL, sources, &contexts, beside, go_on)?;
     let document = if Format::of(out) == Some(Format::Glb) {
         let images = std::mem::take(&mut beside.files);
         let glb = written.glb(|name| images.get(name).cloned()).map_err(fault)?;
@@ -223,7 +231,7 @@ fn of_materialx(sources: &[Source], beside: &mut Beside, go_on: &dyn Fn(f32) -> 
     let mut rows = Vec::new();
     for (place, material) in written.materials.into_iter().enumerate() {
         let jobs: Vec<Job> = material.images.into_iter().map(|image| Job { material: place, ..image }).collect();
-        compute(&jobs, &materialx::MODEL, sources, &contexts, beside, go_on)?;
+        compute(&jobs, &burnish_material::exchange::models::open_pbr::MODEL, sources, &contexts, beside, go_on)?;
         beside.notes.extend(material.notes);
         rows.push(material.rows);
     }
@@ -255,8 +263,7 @@ fn of_usd(
     let contexts: Vec<Context> = sources.iter().map(|source| Context::of(&source.material)).collect();
     sources.iter().for_each(|source| copy_all(source, beside, &path));
     for job in &export.images {
-        let model = ShadingModel::named(job.model).unwrap_or(&burnish_material::exchange::models::open_pbr::MODEL);
-        compute(std::slice::from_ref(&job.job), model, sources, &contexts, beside, go_on)?;
+        compute(std::slice::from_ref(&job.job), job.model, sources, &contexts, beside, go_on)?;
     }
     beside.notes.extend(export.notes);
     let rows = translated(sources, Format::Usda.def(), options).into_iter().map(|translation| translation.rows).collect();
@@ -277,7 +284,7 @@ fn compute(
         let share = |share: f32| go_on((number as f32 + share) / jobs.len() as f32);
         let baked =
             bake(job, model, &source.material, &source.textures, context, &share).ok_or(ExchangeError::Cancelled)?;
-        match encode_rgba8(baked.width, baked.height, &baked.rgba) {
+        match rgba_png(baked.width, baked.height, &baked.rgba) {
             Ok(png) => _ = beside.files.insert(job.file.clone(), png),
             Err(problem) => beside.notes.push(format!("{}: {problem}", job.file)),
         }
@@ -313,7 +320,7 @@ fn image_bytes(source: &Source, path: &str) -> Option<Result<Vec<u8>, String>> {
         Some(place) => files::read_file(&place, MAX_IMAGE_BYTES).map_err(|error| error.to_string()),
         None => files::make_built_in_texture(path).and_then(|image| {
             let rgba: Vec<u8> = image.texels.iter().flatten().map(|x| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8).collect();
-            encode_rgba8(image.width, image.height, &rgba)
+            rgba_png(image.width, image.height, &rgba)
         }),
     })
 }
