@@ -10,6 +10,7 @@ pub mod field;
 pub mod formulas;
 pub mod interpreting;
 pub mod loss;
+pub mod mdl;
 pub mod merge;
 pub mod model;
 pub mod models;
