@@ -101,7 +101,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<Outcome, CliError> {
             saved.notes.extend(one.notes);
         }
     } else {
-        let all = if format == Format::Native { &sources[..1] } else { &sources[..] };
+        let all = if format.holds_one() { &sources[..1] } else { &sources[..] };
         if all.len() < sources.len() {
             let others: Vec<&str> = sources[1..].iter().map(|source| source.material.name.as_str()).collect();
             messages.warn(format!("{}: holds one material; not written: {}", arguments.out.display(), others.join(", ")));

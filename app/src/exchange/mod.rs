@@ -41,7 +41,7 @@ pub struct FormatDef {
     pub label: &'static str,
     /// Ending of file names, without the dot.
     pub ending: &'static str,
-    /// What a material becomes for programs that do not know ASM; `None` for the native file.
+    /// What a material becomes for programs that do not know ASM; `None` for the native file and for MDL, which brings ASM along.
     pub model: Option<&'static ShadingModel>,
 }
 
@@ -53,7 +53,7 @@ pub const FORMATS: &[FormatDef] = &[
     FormatDef { format: Format::MaterialX, label: "MaterialX (OpenPBR)", ending: "mtlx", model: Some(&open_pbr::MODEL) },
     FormatDef { format: Format::Usda, label: "USD", ending: "usda", model: Some(&usd_preview::MODEL) },
     FormatDef { format: Format::Usdz, label: "USD package", ending: "usdz", model: Some(&usd_preview::MODEL) },
-    FormatDef { format: Format::Mdl, label: "MDL", ending: "mdl", model: Some(&open_pbr::MODEL) },
+    FormatDef { format: Format::Mdl, label: "MDL", ending: "mdl", model: None },
 ];
 
 impl Format {
@@ -62,6 +62,11 @@ impl Format {
         let name = path.file_name()?.to_string_lossy().to_lowercase();
         let has = |ending: &str| name.strip_suffix(ending).is_some_and(|stem| stem.ends_with('.'));
         FORMATS.iter().find(|def| has(def.ending)).map(|def| def.format).or_else(|| has("ron").then_some(Self::Native))
+    }
+
+    /// Whether a file holds one material only.
+    pub fn holds_one(self) -> bool {
+        matches!(self, Self::Native | Self::Mdl)
     }
 
     /// Its row of the table.

@@ -94,8 +94,8 @@ pub fn open(path: &Path) -> Result<Vec<Opened>, ExchangeError> {
             of_usd(layer, folder, &embedded).map_err(|error| content(Fault::Usd(error)))?
         }
         Format::Mdl => {
-            let (material, notes) = mdl::read(&text()?).map_err(|error| content(Fault::Mdl(error)))?;
-            vec![Opened::of(&material, folder, &Embedded::new(), notes)]
+            let read = mdl::read(&text()?).map_err(|error| content(Fault::Mdl(error)))?;
+            read.into_iter().map(|found| Opened::of(&found.material, folder, &Embedded::new(), found.notes)).collect()
         }
     };
     opened.iter_mut().for_each(|found| found.notes.dedup());

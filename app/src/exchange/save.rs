@@ -93,13 +93,12 @@ pub fn save(
             (bytes, rows)
         }
         Format::Mdl => {
-            let materials: Vec<&Material> = sources.iter().map(|source| &source.material).collect();
-            let written = mdl::write(&materials);
-            beside.notes.extend(written.notes);
-            for source in sources {
-                copy_all(source, &mut beside, &|path| path.to_owned());
-            }
-            (written.text.into_bytes(), translated(sources, def, options).into_iter().map(|t| t.rows).collect())
+            let Some(first) = sources.first() else { return Err(ExchangeError::NoMaterial { path: out.to_path_buf() }) };
+            let names = FileNames::of(std::slice::from_ref(first));
+            copy_all(first, &mut beside, &|path| names.file(path));
+            let path_of = |texture: &TextureRef| Some(names.file(&texture.path)).filter(|name| !name.is_empty());
+            let text = mdl::write(&first.material, mdl::Flavour::Own, &path_of);
+            (text.into_bytes(), vec![mdl::loss(&first.material, mdl::Flavour::Own)])
         }
     };
     if !go_on(1.0) {

@@ -12,6 +12,7 @@ pub mod gltf;
 pub mod interpreting;
 pub mod loss;
 pub mod materialx;
+pub mod mdl;
 pub mod merge;
 pub mod model;
 pub mod models;
