@@ -84,7 +84,8 @@ fn byte(linear: f64, is_srgb: bool) -> u8 {
 impl Map<'_> {
     /// The property's value at a place of the result, within its range.
     fn value(&self, at: [f64; 2], is_in_place: bool) -> Value {
-        let [u, v] = if is_in_place { at } else { self.reference.place(at) };
+        let placed = || self.reference.transform().map(|[a, b, shift]| a * at[0] + b * at[1] + shift);
+        let [u, v] = if is_in_place { at } else { placed() };
         let read = self.filtered(u, v);
         let limits = self.property.def().limits;
         let kept = |k: usize| limits.enforce(f64::from(read[k]));
@@ -108,7 +109,15 @@ impl Map<'_> {
         };
         let mix = |a: [f32; 3], b: [f32; 3], t: f32| -> [f32; 3] {
             // Exactly one of both where there is nothing between them.
-            std::array::from_fn(|k| if t < 1e-4 { a[k] } else if t > 1.0 - 1e-4 { b[k] } else { a[k] + (b[k] - a[k]) * t })
+            std::array::from_fn(|k| {
+                if t < 1e-4 {
+                    a[k]
+                } else if t > 1.0 - 1e-4 {
+                    b[k]
+                } else {
+                    a[k] + (b[k] - a[k]) * t
+                }
+            })
         };
         let upper = mix(texel(x0, y0), texel(x0 + 1.0, y0), fx);
         mix(upper, mix(texel(x0, y0 + 1.0), texel(x0 + 1.0, y0 + 1.0), fx), fy)

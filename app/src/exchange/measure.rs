@@ -63,7 +63,8 @@ pub fn measure(
     let first = scene(before);
     let mut flip = |step: f32, other: Shown<'_>| {
         let other = scene(other);
-        picture_diff::draw([&first, &other], drawing, &mut |share| tell((step + share) / steps), is_cancelled).map(|diff| diff.mean)
+        picture_diff::draw([&first, &other], drawing, &mut |share| tell((step + share) / steps), is_cancelled)
+            .map(|diff| diff.mean)
     };
     let flip_mean = flip(0.0, after)?;
     let mut by_property = Vec::new();

@@ -1,7 +1,7 @@
 //! The way in: a file of any format to its materials, with the images that it holds.
 
-use super::error::{ExchangeError, Fault};
 use super::Format;
+use super::error::{ExchangeError, Fault};
 use crate::files;
 use burnish_assets::{Image, decode_image};
 use burnish_material::exchange::{gltf, materialx, mdl, usd};

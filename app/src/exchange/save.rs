@@ -70,7 +70,6 @@ pub fn save(
     go_on: &dyn Fn(f32) -> bool,
 ) -> Result<Saved, ExchangeError> {
     let format = Format::of(out).ok_or_else(|| ExchangeError::UnknownFormat { path: out.to_path_buf() })?;
-    let def = format.def();
     let fault = |fault| ExchangeError::Content { path: out.to_path_buf(), fault };
     let mut beside = Beside::default();
     let (document, rows) = match format {
@@ -143,11 +142,16 @@ fn native(source: &Source, folder: Option<&Path>, beside: &mut Beside) -> Vec<u8
     for (path, bytes) in &source.embedded {
         beside.files.insert(path.clone(), bytes.to_vec());
     }
-    let text = source.file.as_ref().map_or_else(|| MaterialFile::new(&material).text().to_owned(), |file| file.to_text(&material));
+    let text =
+        source.file.as_ref().map_or_else(|| MaterialFile::new(&material).text().to_owned(), |file| file.to_text(&material));
     text.into_bytes()
 }
 
-fn translated(sources: &[Source], def: &FormatDef, options: SaveOptions<'_>) -> Vec<burnish_material::exchange::model::Translation> {
+fn translated(
+    sources: &[Source],
+    def: &FormatDef,
+    options: SaveOptions<'_>,
+) -> Vec<burnish_material::exchange::model::Translation> {
     let model: &ShadingModel = def.model.unwrap_or(&burnish_material::exchange::models::open_pbr::MODEL);
     sources.iter().map(|source| model.translate(&source.material, &context(source, options))).collect()
 }
@@ -206,7 +210,8 @@ fn of_gltf(
         let images = std::mem::take(&mut beside.files);
         let glb = written.glb(|name| images.get(name).cloned()).map_err(fault)?;
         // What the binary file cannot hold stays beside it.
-        let held: BTreeSet<String> = written.plan.copies.iter().filter(|copy| copy.is_used).map(|copy| copy.file.clone()).collect();
+        let held: BTreeSet<String> =
+            written.plan.copies.iter().filter(|copy| copy.is_used).map(|copy| copy.file.clone()).collect();
         let jobs: BTreeSet<&str> = written.plan.jobs.iter().map(|job| job.file.as_str()).collect();
         beside.files = images.into_iter().filter(|(name, _)| !held.contains(name) && !jobs.contains(name.as_str())).collect();
         glb
@@ -281,8 +286,7 @@ fn compute(
     for (number, job) in jobs.iter().enumerate() {
         let (Some(source), Some(context)) = (sources.get(job.material), contexts.get(job.material)) else { continue };
         let share = |share: f32| go_on((number as f32 + share) / jobs.len() as f32);
-        let baked =
-            bake(job, model, &source.material, &source.textures, context, &share).ok_or(ExchangeError::Cancelled)?;
+        let baked = bake(job, model, &source.material, &source.textures, context, &share).ok_or(ExchangeError::Cancelled)?;
         match rgba_png(baked.width, baked.height, &baked.rgba) {
             Ok(png) => _ = beside.files.insert(job.file.clone(), png),
             Err(problem) => beside.notes.push(format!("{}: {problem}", job.file)),
@@ -387,4 +391,3 @@ impl Arrays {
         }
     }
 }
-

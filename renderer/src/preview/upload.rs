@@ -4,7 +4,7 @@ use super::device::{PreviewError, guarded};
 use super::environment::{Level, half_texels};
 use crate::scene::{Object, TextureSet};
 use burnish_assets::{Image, Mesh};
-use burnish_material::{Kind, PROPERTIES, PROPERTY_COUNT, Property, TextureRef, Vary, Wrap};
+use burnish_material::{PROPERTIES, PROPERTY_COUNT, Property, TextureRef, Vary, Wrap};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
@@ -155,10 +155,8 @@ pub(super) fn object_block(object: &Object, albedos: u32, first_layer: u32) -> O
         if property == Property::height {
             block.params[2] = BUMPED;
         }
-        let (sin, cos) = reference.uv_rotation.to_radians().sin_cos();
-        let [sx, sy] = reference.uv_scale;
-        // Counterclockwise in an image whose v grows downwards.
-        let matrix = [cos * sx, sin * sy, -sin * sx, cos * sy].map(|x| x as f32);
+        let [[uu, uv, _], [vu, vv, _]] = reference.transform();
+        let matrix = [uu, uv, vu, vv].map(|x| x as f32);
         let wrap = match reference.wrap {
             Wrap::Repeat => 0.0,
             Wrap::Clamp => 1.0,
