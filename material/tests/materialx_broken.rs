@@ -33,10 +33,32 @@ proptest! {
         for found in first.unwrap_or_default() {
             for (_, slot) in found.material.slots() {
                 prop_assert!(slot.value.is_none_or(|value| value.numbers().iter().all(|x| x.is_finite())));
+                prop_assert!(slot.texture.as_ref().is_none_or(is_finite));
             }
             prop_assert!(read(&write(&[&found.material], &WriteOptions::default()).text).is_ok());
         }
     }
+}
+
+fn is_finite(texture: &TextureRef) -> bool {
+    let TextureRef { scale, bias, uv_scale, uv_offset, uv_rotation, .. } = texture;
+    [scale.as_slice(), bias, uv_scale, uv_offset, &[*uv_rotation]].concat().iter().all(|x| x.is_finite())
+}
+
+#[test]
+fn products_that_are_not_finite_are_not_taken() {
+    let huge = "1e300, 1e300, 1e300";
+    let inputs = format!(
+        "<input name=\"subsurface_weight\" type=\"float\" value=\"1\" /><input name=\"subsurface_radius\" type=\"float\" value=\"1e300\" />
+         <input name=\"subsurface_radius_scale\" type=\"color3\" value=\"{huge}\" />"
+    );
+    let found = open_pbr("", &inputs);
+    assert!(found.material.slot(Property::scatter_distance).value.is_none(), "{found:?}");
+    assert!(found.notes.iter().any(|note| note.contains("scatter_distance: expected finite")), "{:?}", found.notes);
+    let image = node("image", "i", "color3", &[("file", "filename", "a.png")]);
+    let scaled = image + &node("multiply", "f", "color3", &[("in1", "color3", "@i"), ("in2", "color3", huge)]);
+    let found = color(&(scaled + &node("multiply", "o", "color3", &[("in1", "color3", "@f"), ("in2", "color3", huge)])));
+    assert!(found.material.slot(Property::base_color).texture.as_ref().is_none_or(is_finite));
 }
 
 #[test]
@@ -142,4 +164,18 @@ fn too_much_of_anything_is_refused() {
     let wrong = "<input name=\"x\" type=\"float\" value=\"?\" />";
     let found = open_pbr("", &(0..300).map(|k| wrong.replace("\"x\"", &format!("\"x{k}\""))).collect::<String>());
     assert_eq!(found.notes.len(), 101, "the last one counts the rest");
+}
+
+#[test]
+fn long_names_and_shared_copies_stay_small() {
+    let long = "n".repeat(100_000);
+    let before = node("noise2d", &long, "float", &[]);
+    let found = open_pbr(&before, &format!("<input name=\"coat_weight\" type=\"float\" nodename=\"{long}\" />"));
+    assert!(found.notes.len() == 1 && found.notes[0].len() < 400, "{} bytes", found.notes[0].len());
+    let written = write(&[&Material::named("a")], &WriteOptions::default()).text;
+    let start = written.find("<surfacematerial name=\"a\"").expect("a material");
+    let end = start + written[start..].find("</surfacematerial>").expect("its end") + 18;
+    let second = written[start..end].replace("name=\"a\"", "name=\"b\"");
+    let found = read(&format!("{}{second}{}", &written[..end], &written[end..])).expect("two materials");
+    assert_eq!(found.iter().map(|found| found.is_native).collect::<Vec<_>>(), [true, false]);
 }

@@ -7,6 +7,7 @@ use crate::properties::Inputs;
 
 /// Index of refraction of the coat in both models.
 const COAT_IOR: f64 = 1.5;
+const MASK: &str = "opacity: cut off at a threshold there; a value is cut off here too, an image is taken as it is";
 
 crate::shading_fields! {
     /// Parameters of `gltf_pbr` 2.0.1.
@@ -82,6 +83,9 @@ fn interpret_gltf(p: &GltfPbr, notes: &mut Notes) -> Inputs<f64> {
         }
         _ => unit("alpha", p.alpha, notes),
     };
+    if p.alpha_mode == 1.0 {
+        notes.push(MASK.to_owned());
+    }
     (i.sheen, i.sheen_color) = f::split_amount(p.sheen_color.map(|c| unit("sheen_color", c, notes)));
     i.sheen_roughness = unit("sheen_roughness", p.sheen_roughness, notes);
     i.coat = unit("clearcoat", p.clearcoat, notes);
@@ -171,6 +175,7 @@ fn interpret_preview(p: &PreviewSurface, notes: &mut Notes) -> Inputs<f64> {
     i.opacity = unit("opacity", p.opacity, notes);
     if p.opacity_threshold > 0.0 {
         i.opacity = if i.opacity >= p.opacity_threshold { 1.0 } else { 0.0 };
+        notes.push(MASK.to_owned());
     }
     let brightest = f::largest(p.emissive_color);
     if brightest > 0.0 {

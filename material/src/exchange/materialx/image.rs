@@ -1,8 +1,9 @@
 //! Images of a document: the nodes that read them, where on the surface they lie, and the bindings they become.
 
 use super::color::Space;
+use super::graph::shortened;
 use super::numbers::{Part, Parts};
-use super::walk::{COORDINATES, Normal, Term, Walk, shortened};
+use super::walk::{COORDINATES, Normal, Term, Walk};
 use super::xml::Id;
 use crate::exchange::uv::{offset_from_above, offset_from_below};
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
@@ -240,7 +241,7 @@ impl ImageSource {
             return Some(texture);
         }
         let size = a.hypot(c).max(b.hypot(d));
-        if (a * b + c * d).abs() > 1e-5 * size * size {
+        if !size.is_finite() || (a * b + c * d).abs() > 1e-5 * size * size {
             return None;
         }
         let angle = c.atan2(a);

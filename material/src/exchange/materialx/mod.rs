@@ -1,10 +1,10 @@
 //! MaterialX documents (`.mtlx`), version 1.39: materials to text and back.
 //!
 //! Every material is written twice: as a surface that other programs know, and as an instance of our own node, which holds it bit for bit
-//! ([`native_copy`]). Both are read; where somebody changed the surface, the change holds. Graphs are folded ([`walk`]): what is constant
-//! becomes a value, an image behind factors and offsets becomes a binding, and anything else is named in a note.
+//! (`native_copy`). Both are read; where somebody changed the surface, the change holds. Graphs are folded (`walk`): what is constant becomes
+//! a value, an image behind factors and offsets becomes a binding, and anything else is named in a note.
 //!
-//! Files that others wrote are read within bounds ([`xml`]). No file is opened: images are references for the caller to resolve, includes
+//! Files that others wrote are read within bounds (`xml`). No file is opened: images are references for the caller to resolve, includes
 //! are refused.
 
 mod color;

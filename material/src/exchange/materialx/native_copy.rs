@@ -7,9 +7,10 @@
 use serde_json::{Map, Value as Json, json};
 
 use super::definition::type_of;
+use super::graph::shortened;
 use super::numbers;
 use super::textures::{TextureGraph, writable};
-use super::walk::{Walk, shortened};
+use super::walk::Walk;
 use super::write::{Feed, Input, WriteOptions, stored};
 use super::xml::Id;
 use super::{definition, fields};
@@ -76,7 +77,7 @@ pub fn write(
             return false;
         }
         match slot.value {
-            Some(Value::Normal(constant)) if Value::Normal(constant) != def.default => {
+            Some(value @ Value::Normal(constant)) if stored(value) != def.default => {
                 let node = graph.normal(None, constant, 1.0);
                 let output = graph.output(&format!("asm_{}", def.name), "vector3", node);
                 inputs.push(Input::plain(def.name, "vector3", Feed::Output(output)));
@@ -153,7 +154,10 @@ pub fn read(walk: &mut Walk, node: Id, version: Option<&str>, model: Option<&Sha
     let files = json.get("files").cloned().unwrap_or_default();
     let is_of_model = model.is_some_and(|model| json.get("surface").and_then(Json::as_str) == Some(model.name));
     let table = model.filter(|_| is_of_model).map(|model| model.fields);
-    let mut native = native::read(&Json::Object(json), table, &mut walk.notes)?;
+    let mut faults = Notes::new();
+    let read = native::read(&Json::Object(json), table, &mut faults);
+    faults.into_iter().for_each(|fault| walk.note(fault));
+    let mut native = read?;
     for def in PROPERTIES {
         let found = images.iter().find(|(property, _)| *property == def.id).map(|(_, found)| found.clone());
         let mut changes = Notes::new();

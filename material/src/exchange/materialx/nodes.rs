@@ -3,7 +3,7 @@
 //! Definitions and defaults: MaterialX 1.39, standard library.
 
 use super::image;
-use super::numbers::{Part, Parts, constant_only, count_of};
+use super::numbers::{self, Part, Parts, constant_only, count_of};
 use super::walk::{COORDINATES, Direction, Normal, Term, Walk};
 use super::xml::Id;
 
@@ -273,6 +273,12 @@ pub fn unpacked(parts: &Parts, factor: f64, offset: f64, scale: f64) -> Option<N
     // All three by the same factor is the same direction.
     let strength = if follows(&z, 2, 1.0, strength) { 1.0 } else { strength };
     (fits && has_z).then_some(Normal { source: Some(source), is_flipped, constant: [0.0, 0.0, 1.0], scale: scale * strength })
+}
+
+/// The direction that a reader finds after this constant was written: of length 1, and the surface's own where it has none.
+pub fn readable_normal(constant: [f64; 3]) -> [f64; 3] {
+    let stored = Parts::constants(&constant.map(|x| numbers::stored(0.5 * x + 0.5)));
+    stored.and_then(|parts| unpacked(&parts, 0.5, 0.5, 1.0)).map_or(Normal::FLAT.constant, |normal| normal.constant)
 }
 
 /// A tangent turned about the normal. MaterialX turns clockwise, in degrees.

@@ -3,10 +3,10 @@
 use std::collections::HashSet;
 
 use super::definition::NODE;
-use super::graph::{Graph, Link};
+use super::graph::{Graph, Link, shortened};
 use super::surfaces::{SURFACES, model_of};
-use super::walk::{Walk, shortened};
-use super::write::expected;
+use super::walk::Walk;
+use super::write::{expected, finite};
 use super::xml::{Id, ROOT, ReadError, Tree};
 use super::{fields, foreign, native_copy};
 use crate::exchange::field::Fields;
@@ -54,13 +54,15 @@ pub fn read(text: &str) -> Result<Vec<ReadMaterial>, ReadError> {
     };
     // The other material of a native copy shows the copy itself: no second material.
     let claimed: HashSet<Id> = materials.iter().filter_map(|material| native(*material)).collect();
-    let (mut read, mut unread) = (Vec::new(), Vec::new());
+    let (mut read, mut unread, mut used) = (Vec::new(), Vec::new(), HashSet::new());
     for material in materials {
         let shader = shader_of(&graph, material);
         let copy = native(material).or(shader.filter(|shader| tree.tag(*shader) == NODE));
         if native(material).is_none() && copy.is_some_and(|copy| claimed.contains(&copy)) {
             continue;
         }
+        // A copy is that of one material.
+        let copy = copy.filter(|copy| used.insert(*copy));
         match read_material(&mut walk, material, shader, copy) {
             Ok(found) => read.push(found),
             Err(what) => unread.push(what),
@@ -143,6 +145,8 @@ fn read_material(walk: &mut Walk, material: Id, shader: Option<Id>, copy: Option
         (None, None) if category.is_empty() => return Err(format!("`{}` without a surface", shortened(&name))),
         (None, None) => return Err(format!("`{}` with the surface <{}>", shortened(&name), shortened(category))),
     };
+    // Products of numbers that are finite may not be.
+    read = finite(&read, "not taken", &mut walk.notes);
     if !is_native {
         read.name.clone_from(&name);
     }
@@ -184,7 +188,11 @@ fn displacement_of(walk: &mut Walk, material: Id) -> Option<Id> {
     if graph.tree.tag(node) == "displacement" {
         return Some(node);
     }
-    walk.note(format!("{}: <{}> is no displacement that a material can hold; not taken", graph.path(node), graph.tree.tag(node)));
+    walk.note(format!(
+        "{}: <{}> is no displacement that a material can hold; not taken",
+        graph.path(node),
+        shortened(graph.tree.tag(node))
+    ));
     None
 }
 

@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 
 use super::image::{factors, refusal, reread};
+use super::nodes::readable_normal;
 use super::numbers;
 use super::xml_write::Xml;
 use crate::exchange::uv::offset_from_below;
@@ -101,7 +102,7 @@ impl TextureGraph {
     /// The node that gives a normal map: an image, or a constant direction, and its strength.
     pub fn normal(&mut self, texture: Option<&TextureRef>, constant: [f64; 3], scale: f64) -> String {
         let scale = numbers::text(scale);
-        let stored = numbers::list(&constant.map(|x| 0.5 * x + 0.5));
+        let stored = numbers::list(&readable_normal(constant).map(|x| 0.5 * x + 0.5));
         let image = texture.map(|texture| {
             let image = self.image(texture, "vector3", false);
             let flip = |by: [f64; 3]| if texture.is_inverted { by.to_vec() } else { vec![] };
@@ -214,6 +215,9 @@ fn is_srgb(texture: &TextureRef, is_color: bool) -> bool {
 pub fn writable(texture: &TextureRef, kind: Kind, path: String) -> Result<(TextureRef, TextureRef), &'static str> {
     if let Some(reason) = refusal(&path) {
         return Err(reason);
+    }
+    if kind == Kind::Bool {
+        return Err("belongs to a switch, which has none");
     }
     if texture.uv_scale.contains(&0.0) {
         return Err("is stretched without end");

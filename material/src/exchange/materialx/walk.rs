@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::color::Space;
-use super::graph::{Graph, Link};
+use super::graph::{Graph, Link, shortened};
 use super::image::ImageSource;
 use super::nodes;
 use super::numbers::{self, Part, Parts};
@@ -151,7 +151,7 @@ impl<'a> Walk<'a> {
                 Some(select(term, &output))
             }
             Link::Missing(name) => {
-                self.note(format!("{}: nothing has the name `{name}`", self.graph.path(input)));
+                self.note(format!("{}: nothing has the name `{}`", self.graph.path(input), shortened(&name)));
                 self.value(input)
             }
         }
@@ -260,12 +260,4 @@ fn select(term: Term, output: &str) -> Term {
         _ => None,
     };
     selected.map_or(term.clone(), |parts| Term::Numbers(Box::new(parts)))
-}
-
-/// A text of the file as messages show it.
-pub fn shortened(text: &str) -> String {
-    match text.char_indices().nth(60) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
-    }
 }

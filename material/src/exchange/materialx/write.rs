@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::definition::{self, NODE, type_of, value_text};
 use super::native_copy;
+use super::nodes::readable_normal;
 use super::plan::largest;
 use super::textures::{TextureGraph, writable};
 use super::xml_write::Xml;
@@ -97,7 +98,7 @@ pub fn write(materials: &[&Material], options: &WriteOptions) -> Written {
 fn write_material(xml: &mut Xml, material: &Material, options: &WriteOptions, names: &mut HashSet<String>) -> WrittenMaterial {
     let name = free_name(&material.name, names);
     let mut notes = Notes::new();
-    let material = finite(material, &mut notes);
+    let material = finite(material, "not written", &mut notes);
     let mut graph = TextureGraph::named(graph_name(&name));
     let (fields, images, rows) = translated(&material, &name, options, &mut notes);
     let mut surface = surface_inputs(options.surface.fields, &fields, &mut graph);
@@ -180,20 +181,20 @@ fn graph_name(name: &str) -> String {
     format!("NG_{name}_textures")
 }
 
-/// The material without numbers that are not finite.
-fn finite(material: &Material, notes: &mut Notes) -> Material {
+/// The material without numbers that are not finite. A note about each says what became of it: `not written`.
+pub(super) fn finite(material: &Material, outcome: &str, notes: &mut Notes) -> Material {
     let mut clean = material.clone();
     for (property, slot) in material.slots() {
         let name = property.def().name;
         if slot.value.is_some_and(|value| value.numbers().iter().any(|x| !x.is_finite())) {
             clean.slot_mut(property).value = None;
-            notes.push(format!("{name}: expected finite numbers; not written"));
+            notes.push(format!("{name}: expected finite numbers; {outcome}"));
         }
         let Some(t) = &slot.texture else { continue };
         let all = [t.scale.as_slice(), &t.bias, &t.uv_scale, &t.uv_offset, &[t.uv_rotation]].concat();
         if all.iter().any(|x| !x.is_finite()) {
             clean.slot_mut(property).texture = Some(TextureRef { channel: t.channel, ..TextureRef::new(t.path.clone()) });
-            notes.push(format!("{name}: expected finite settings of the image; written without them"));
+            notes.push(format!("{name}: expected finite settings of the image; {outcome}"));
         }
     }
     clean
@@ -271,7 +272,7 @@ pub(super) fn expected(model: &'static ShadingModel, material: &Material) -> (Fi
 pub(super) fn stored(value: Value) -> Value {
     match value {
         Value::Color(v) => Value::Color(v.map(numbers::stored)),
-        Value::Normal(v) => Value::Normal(v.map(numbers::stored)),
+        Value::Normal(v) => Value::Normal(readable_normal(v)),
         Value::Float(v) => Value::Float(numbers::stored(v)),
         Value::Bool(v) => Value::Bool(v),
     }
