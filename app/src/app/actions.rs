@@ -129,7 +129,7 @@ impl App {
             Command::OpenRecent => self.pages.open(Page::Recent),
             Command::OpenLibrary => self.ask(Purpose::OpenLibrary, ctx),
             Command::CompareRelease => self.show_release(ctx),
-            Command::NewFromMeasured => self.pages.open(Page::Measured),
+            Command::NewFromMeasured => self.open_measured(),
             Command::Save => self.save(ctx),
             Command::SaveAs => self.ask(Purpose::SaveMaterial, ctx),
             Command::CloseTab => self.close_tab(ctx),

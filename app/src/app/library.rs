@@ -318,7 +318,7 @@ impl App {
                 self.library_work.panel.refresh();
             }
             LibraryAction::Rescan => library.rescan(),
-            LibraryAction::NewFromMeasured => self.pages.open(Page::Measured),
+            LibraryAction::NewFromMeasured => self.open_measured(),
             LibraryAction::Undo => _ = self.undo_files(true, ctx),
             LibraryAction::Redo => _ = self.redo_files(true, ctx),
         }
@@ -354,6 +354,12 @@ impl App {
         let ctx = ui.ctx().clone();
         self.edit_files(Step::New, move || edit::rename(&path, &name), &ctx);
         false
+    }
+
+    /// Opens the page with measured materials.
+    pub(super) fn open_measured(&mut self) {
+        self.library_work.measured.begin();
+        self.pages.open(Page::Measured);
     }
 
     /// The page with measured materials; whether it stays open.

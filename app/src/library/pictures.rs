@@ -11,7 +11,7 @@ pub use loader::load;
 use super::entry::Entry;
 use super::maker::Renderer;
 use super::queue::Queue;
-use super::setup::Setup;
+use super::setup::{CHANGED, Setup};
 use super::shelf::{Shelf, State};
 use crate::digest::Digest;
 use crate::thumbnails::Thumbnail;
@@ -299,6 +299,8 @@ impl Pictures {
                 problems.extend(problem.filter(|problem| !problems.contains(problem)));
                 self.count(key.0);
             }
+            // The library is read again already.
+            Done::Failed(look, sentence) if sentence.ends_with(CHANGED) => self.count(look),
             Done::Failed(look, sentence) => {
                 self.hopeless.insert(look);
                 self.count(look);

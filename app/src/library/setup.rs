@@ -198,6 +198,9 @@ pub fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String>
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err("no picture, because the program failed at it".to_owned()))
 }
 
+/// Why there is no picture of a file that has changed since: nothing that anybody has to do something about.
+pub const CHANGED: &str = "was changed after the library had been read; its picture comes with the next reading";
+
 /// Reads the material of an entry with its images. An error, without the path, if it cannot be used or is not what the entry is about any more.
 ///
 /// Images that cannot be read are left out, as in every view; a sentence tells of each.
@@ -208,7 +211,7 @@ pub fn read(root: &Path, entry: &Entry) -> Result<(Material, TextureSet, Vec<Str
     let path = root.join(&entry.path);
     let text = files::read_text_file(&path, MAX_FILE_BYTES as u64).map_err(|error| reason(&error, &path))?;
     if Digest::of(text.as_bytes()) != entry.bytes {
-        return Err("was changed after the library had been read; its picture comes with the next reading".to_owned());
+        return Err(CHANGED.to_owned());
     }
     let (file, _) = MaterialFile::parse(&text).map_err(|error| error.to_string())?;
     let (textures, missing) = files::load_textures(file.material(), path.parent());

@@ -13,12 +13,22 @@ use egui::{Button, Grid, Label, RichText, ScrollArea, Sense, Ui, vec2};
 pub struct MeasuredPage {
     search: String,
     chosen: Option<&'static str>,
+    /// Whether it was opened just now: what is typed next is searched for.
+    is_new: bool,
 }
 
 impl MeasuredPage {
+    /// It is opened.
+    pub fn begin(&mut self) {
+        self.is_new = true;
+    }
+
     /// Shows the page; the measurement that is to become a material.
     pub fn show(&mut self, ui: &mut Ui) -> Option<&'static Measured> {
-        search_field(ui, &mut self.search, "Search measured materials", "copper, glass, milk…");
+        let line = search_field(ui, &mut self.search, "Search measured materials", "copper, glass, milk…");
+        if std::mem::take(&mut self.is_new) {
+            line.request_focus();
+        }
         ui.add_space(4.0);
         let words = self.search.to_lowercase();
         let holds = |row: &&Measured| {

@@ -1,9 +1,9 @@
 //! A line to search by, with a button that empties it.
 
-use egui::{Button, Layout, TextEdit, Ui, vec2};
+use egui::{Button, Layout, Response, TextEdit, Ui, vec2};
 
-/// Shows the field over the whole width. `name` is for screen readers, `hint` stands in the empty field.
-pub fn search_field(ui: &mut Ui, text: &mut String, name: &str, hint: &str) {
+/// Shows the field over the whole width. `name` is for screen readers, `hint` stands in the empty field. Returns the line itself.
+pub fn search_field(ui: &mut Ui, text: &mut String, name: &str, hint: &str) -> Response {
     let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, Layout::right_to_left(egui::Align::Center), |ui| {
         ui.spacing_mut().button_padding = vec2(4.0, 1.0);
@@ -12,6 +12,7 @@ pub fn search_field(ui: &mut Ui, text: &mut String, name: &str, hint: &str) {
             text.clear();
         }
         let edit = TextEdit::singleline(text).hint_text(hint).desired_width(f32::INFINITY);
-        ui.add(edit).accessible_name(name);
-    });
+        ui.add(edit).accessible_name(name)
+    })
+    .inner
 }

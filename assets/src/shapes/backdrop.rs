@@ -79,6 +79,8 @@ const WALL: f32 = 7.0;
 const BEND: f32 = 3.5;
 /// Upper edge of the wall: above the picture, and low enough for light from behind.
 const HEIGHT: f32 = 6.5;
+/// How far the floor goes on below the bend, so that nothing shows between them.
+const OVERLAP: f32 = 0.3;
 /// Half the width, and how far the floor reaches to the front.
 const REACH: f32 = 16.0;
 
@@ -92,7 +94,7 @@ fn sweep() -> [Part; 2] {
     let mut flat = Mesh { name: "Sweep, floor".to_owned(), ..Mesh::default() };
     let back = BEND - WALL;
     flat.push_grid(1, 1, |column, row| SurfacePoint {
-        position: Vec3::new(across(column, 1), 0.0, if row == 0 { back } else { REACH }),
+        position: Vec3::new(across(column, 1), 0.0, if row == 0 { back - OVERLAP } else { REACH }),
         normal: Vec3::Y,
         tangent: Vec3::X,
         uv: Vec2::new(column as f32, row as f32),
