@@ -17,7 +17,7 @@ mod wgsl;
 
 pub use check::{Finding, FindingKind, Severity, check, has_errors};
 pub use file::{ASM_VERSION, FileError, MAX_FILE_BYTES, MaterialFile, Unreadable, ValueSource, Warning};
-pub use lobes::{LOBES, Lobe, LobeDef, LobeSet, idle_lobe};
+pub use lobes::{LOBES, Lobe, LobeDef, LobeSet, acts_through, idle_lobe};
 pub use material::{DEFAULT_UNIT_MM, Foreign, Material, Provenance};
 pub use properties::{Inputs, PROPERTIES, PROPERTY_COUNT, Property};
 pub use reference::reference_page;

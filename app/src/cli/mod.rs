@@ -20,6 +20,7 @@ pub mod render;
 mod repeat;
 pub mod scene_options;
 mod set;
+pub mod shader;
 pub mod stability;
 pub(crate) mod suggest;
 mod target;
@@ -36,7 +37,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 /// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["convert", "shader"];
+const LATER_COMMANDS: &[&str] = &["convert"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -78,6 +79,8 @@ enum Command {
     Features(Box<features::FeaturesArguments>),
     /// A folder of materials as a library: what is in it, small pictures of it, and whether it can be handed out
     Library(library::LibraryArguments),
+    /// Writes the material's BSDF as shader code with only the lobes that it needs
+    Shader(shader::ShaderArguments),
     /// Renders an image sequence around the object
     Turntable(Box<turntable::TurntableArguments>),
     /// Probes materials numerically at extremes; without one, the built-in suite
@@ -177,7 +180,7 @@ pub fn main() -> ExitCode {
         && !Path::new(word).exists()
     {
         return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, diff, merge, features, library, stability, turntable or files to open"
+            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, diff, merge, features, library, shader, stability, turntable or files to open"
         ))));
     }
     let arguments = match Arguments::try_parse_from(words) {
@@ -204,6 +207,7 @@ pub fn main() -> ExitCode {
                 Command::Merge(arguments) => merge::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),
                 Command::Library(arguments) => library::run(&arguments),
+                Command::Shader(arguments) => shader::run(&arguments),
                 Command::Turntable(arguments) => turntable::run(&arguments),
                 Command::Stability(arguments) => stability::run(&arguments),
             }
