@@ -11,6 +11,7 @@ pub mod metrics;
 pub mod path;
 pub mod preview;
 pub mod scene;
+pub mod shader_code;
 pub mod stability;
 pub mod texel;
 pub mod tonemap;

@@ -15,6 +15,7 @@ mod openjd;
 mod pictures;
 mod release;
 mod render;
+mod shader;
 mod thumbnails;
 mod turntable;
 mod usage;

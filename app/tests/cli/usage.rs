@@ -24,6 +24,9 @@ fn unusable_arguments_exit_with_2_and_one_line() {
     exr::prelude::write_rgb_file(place.path("nan.exr"), 8, 4, |x, y| (0.5_f32, nan(x, y), 0.5_f32)).unwrap();
     let cases: &[(&[&str], &[&str])] = &[
         (&["render"], &["--out"]),
+        (&["shader", "red.asm.ron", "--out", "a.wgsl"], &["--lang"]),
+        (&["shader", "red.asm.ron", "--lang", "cg", "--out", "a.cg"], &["wgsl, hlsl, glsl, msl, spirv or osl"]),
+        (&["shader", "red.asm.ron", "--lang", "osl", "--out", "none/a.osl"], &["none/a.osl", "folder"]),
         (&["render", "red.asm.ron"], &["--out"]),
         (&["render", "--out", "a.png"], &["expected MATERIAL"]),
         (&["render", "red.asm.ron", "--out", "a.jpg"], &["a.jpg", ".png or .exr"]),
