@@ -171,7 +171,7 @@ mod tests {
         let cases = [
             ("preset:no such thing at all", "presets list"),
             (first.name, "did you mean `preset:"),
-            ("chair.gltf", "not in this version"),
+            ("chair.gltf", "chair.gltf: cannot be read"),
             ("picture.PNG", "picture.PNG: cannot be read"),
             ("nowhere.asm.ron", "nowhere.asm.ron: cannot be read"),
         ];

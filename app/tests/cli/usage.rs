@@ -39,7 +39,7 @@ fn unusable_arguments_exit_with_2_and_one_line() {
         (&["render", "--scene", "scenes", "--out", "a.png"], &["scenes", "expected a file, found a folder"]),
         (&["render", "--scene", "scenes/film.json", "--out", "a.png"], &["film.json", "film.width", "16777216"]),
         (&["render", "preset:no such thing", "--out", "a.png"], &["presets list"]),
-        (&["render", "chair.gltf", "--out", "a.png"], &["chair.gltf", "not in this version"]),
+        (&["render", "chair.gltf", "--out", "a.png"], &["chair.gltf", "cannot be read"]),
         (&["render", "old.exr", "--out", "a.png"], &["old.exr", "cannot be read"]),
         (&["render", "env/grey.exr", "--out", "a.png"], &["grey.exr", "expected a material, or a picture"]),
         (&["render", "env/grey.exr", "--spp", "1", "--out", "a.png"], &["grey.exr", "expected a material, or a picture"]),
