@@ -315,8 +315,8 @@ fn compare(name: &str, text: &str, surface: &Surface<f32>, textured: &[(&str, f3
             let share = ((a - b).abs() - 1e-6) / a.abs().max(scale).max(1e-6);
             assert!(share <= LIMIT, "{name}, {wo:?}, {wi:?}: {what}: Rust {a}, shader {b}");
         };
-        for k in 0..3 {
-            close("value", value.0[k], found[k], value.max_channel());
+        for (rust, shader) in value.0.iter().zip(found) {
+            close("value", *rust, *shader, value.max_channel());
         }
         close("density", pdf, found[3], 0.0);
         bright += usize::from(value.max_channel() > 0.0);

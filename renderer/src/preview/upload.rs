@@ -351,6 +351,7 @@ pub(super) fn chain(base: Level) -> Vec<Level> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use burnish_material::Channel;
     use burnish_material::Material;
 
     #[test]
