@@ -10,7 +10,7 @@ mod png_file;
 
 pub use exr_file::exr_bytes;
 pub use layers::{Layer, LayerKind};
-pub use png_file::png_bytes;
+pub use png_file::{png_bytes, rgba_png};
 
 use crate::files::{FilesError, save_atomic};
 use burnish_renderer::path::ErrorEstimate;

@@ -48,9 +48,14 @@ fn kind_of(metadata: &fs::Metadata) -> &'static str {
 }
 
 /// Reads a file of at most `max_bytes` as text in UTF-8.
+pub fn read_text_file(path: &Path, max_bytes: u64) -> Result<String, FilesError> {
+    String::from_utf8(read_file(path, max_bytes)?).map_err(|_| FilesError::NotText { path: path.to_path_buf() })
+}
+
+/// Reads a file of at most `max_bytes`.
 ///
 /// What is no file is refused before it is opened: opening a pipe can wait forever, and a device can be without end.
-pub fn read_text_file(path: &Path, max_bytes: u64) -> Result<String, FilesError> {
+pub fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FilesError> {
     let unreadable = |source| FilesError::Read { path: path.to_path_buf(), source };
     let too_large = || FilesError::TooLarge { path: path.to_path_buf(), max_bytes };
     let metadata = fs::metadata(path).map_err(unreadable)?;
@@ -66,7 +71,7 @@ pub fn read_text_file(path: &Path, max_bytes: u64) -> Result<String, FilesError>
     if bytes.len() as u64 > max_bytes {
         return Err(too_large());
     }
-    String::from_utf8(bytes).map_err(|_| FilesError::NotText { path: path.to_path_buf() })
+    Ok(bytes)
 }
 
 /// Reads a material file with all that is strange about it, but without its images.

@@ -13,6 +13,7 @@ pub mod dialogs;
 pub mod digest;
 pub mod dock;
 pub mod editor;
+pub mod exchange;
 pub mod export;
 pub mod files;
 pub mod heatmap;

@@ -18,7 +18,9 @@ mod textures;
 pub use crate::environment::Environment;
 pub use crate::environments::{ENVIRONMENTS, EnvironmentDef, make_environment};
 pub use crate::image::Image;
-pub use crate::load::{AssetError, is_environment_path, is_image_path, is_model_path, load_environment, load_image, load_model};
+pub use crate::load::{
+    AssetError, decode_image, is_environment_path, is_image_path, is_model_path, load_environment, load_image, load_model,
+};
 pub use crate::mesh::{Bounds, Mesh, Model, Part, Role};
 pub use crate::shapes::{BACKDROPS, BackdropDef, SHAPES, ShapeDef, make_shape};
 pub use crate::textures::{

@@ -19,7 +19,7 @@ mod wgsl;
 pub use check::{Finding, FindingKind, Severity, check, has_errors};
 pub use file::{ASM_VERSION, FileError, MAX_FILE_BYTES, MaterialFile, Unreadable, ValueSource, Warning};
 pub use foreign::{Foreign, ForeignError, MAX_FOREIGN_BYTES, MAX_FOREIGN_TEXTS};
-pub use lobes::{LOBES, Lobe, LobeDef, LobeSet, idle_lobe};
+pub use lobes::{LOBES, Lobe, LobeDef, LobeSet, acts_through, idle_lobe};
 pub use material::{DEFAULT_UNIT_MM, Material, Provenance};
 pub use properties::{Inputs, PROPERTIES, PROPERTY_COUNT, Property};
 pub use reference::reference_page;

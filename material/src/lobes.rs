@@ -184,7 +184,7 @@ impl LobeSet {
 }
 
 /// Lobes through which a property acts; without all of them it has no effect. Empty: it acts through none in particular.
-fn acts_through(property: Property) -> Vec<Lobe> {
+pub fn acts_through(property: Property) -> Vec<Lobe> {
     match property {
         Property::base_color => vec![Lobe::metal, Lobe::diffuse],
         Property::specular_edge_color => vec![Lobe::metal, Lobe::specular],

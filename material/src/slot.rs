@@ -41,6 +41,14 @@ pub struct TextureRef {
 }
 
 impl TextureRef {
+    /// Where on the image a place of the surface lies: two rows of factors on u and v, and a shift. v grows downwards in both, so a
+    /// counterclockwise turn has the sine below the diagonal negative.
+    pub fn transform(&self) -> [[f64; 3]; 2] {
+        let (sin, cos) = self.uv_rotation.to_radians().sin_cos();
+        let ([su, sv], [ou, ov]) = (self.uv_scale, self.uv_offset);
+        [[cos * su, sin * sv, ou], [-sin * su, cos * sv, ov]]
+    }
+
     /// A reference to `path` with every setting at its default.
     pub fn new(path: impl Into<String>) -> Self {
         Self {

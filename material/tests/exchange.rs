@@ -1,43 +1,13 @@
 //! Every shading model of the interchange: the way there, the way back, and the native copy that makes both exact.
 
+mod common;
+
 use burnish_material::exchange::loss::Fate;
 use burnish_material::exchange::model::{Context, Notes};
 use burnish_material::exchange::{MODELS, merge, native};
-use burnish_material::{Kind, Material, PROPERTIES, Property, TextureRef, Value};
+use burnish_material::{Material, PROPERTIES, Property, Value};
+use common::material;
 use proptest::prelude::*;
-
-/// Values of one property: inside its range, at its ends, and its default.
-fn number(def: &'static burnish_material::PropertyDef) -> impl Strategy<Value = f64> {
-    let low = def.limits.min.unwrap_or(0.0);
-    let high = def.limits.max.unwrap_or(def.limits.slider_max);
-    prop_oneof![Just(low), Just(high), low..=high, (low..=high).prop_map(|x| (x * 64.0).round() / 64.0)]
-}
-
-fn value(def: &'static burnish_material::PropertyDef) -> BoxedStrategy<Option<Value>> {
-    let some = match def.default.kind() {
-        Kind::Bool => any::<bool>().prop_map(Value::Bool).boxed(),
-        Kind::Float => number(def).prop_map(Value::Float).boxed(),
-        Kind::Normal => Just(def.default).boxed(),
-        Kind::Color => [number(def), number(def), number(def)].prop_map(Value::Color).boxed(),
-    };
-    prop_oneof![1 => Just(None), 3 => some.prop_map(Some)].boxed()
-}
-
-fn material() -> impl Strategy<Value = Material> {
-    let values: Vec<_> = PROPERTIES.iter().map(value).collect();
-    let textured = proptest::collection::vec(0..PROPERTIES.len(), 0..4);
-    (values, textured).prop_map(|(values, textured)| {
-        let mut material = Material::named("random");
-        for (def, value) in PROPERTIES.iter().zip(values) {
-            material.slot_mut(def.id).value = value;
-        }
-        for place in textured {
-            let property = PROPERTIES[place].id;
-            material.slot_mut(property).texture = Some(TextureRef::new(format!("{}.png", property.def().name)));
-        }
-        material
-    })
-}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
@@ -135,11 +105,30 @@ fn a_copy_that_is_wrong_costs_notes_and_no_values() {
 /// Properties whose number a model keeps, for a material with every property off its default.
 #[test]
 fn what_the_mapping_calls_exact_is_found_exact() {
-    let kept = [(
-        "open_pbr_surface",
-        "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency \
-          specular_ior dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness height_scale",
-    )];
+    let kept = [
+        (
+            "open_pbr_surface",
+            "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency \
+             specular_ior dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness \
+             height_scale sheen_color normal coat_normal",
+        ),
+        (
+            "standard_surface",
+            "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color translucency specular_ior \
+             dispersion absorption_color absorption_distance scatter scatter_color coat coat_color coat_roughness height_scale \
+             sheen_color normal coat_normal",
+        ),
+        (
+            "disney_principled",
+            "roughness metallic anisotropy specular_level specular_ior translucency scatter coat coat_roughness",
+        ),
+        (
+            "gltf",
+            "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color specular_ior dispersion scatter \
+              coat coat_color coat_roughness coat_ior coat_specular_level volume_thickness_scale",
+        ),
+        ("usd_preview_surface", "base_color roughness metallic specular_ior coat coat_roughness ambient_occlusion"),
+    ];
     let mut material = Material::named("off");
     for (property, value) in [
         (Property::roughness, 0.37),
@@ -156,6 +145,7 @@ fn what_the_mapping_calls_exact_is_found_exact() {
         (Property::coat_roughness, 0.05),
         (Property::coat_ior, 1.7),
         (Property::height_scale, 0.125),
+        (Property::specular_level, 0.4),
     ] {
         material.set(property, Value::Float(value));
     }

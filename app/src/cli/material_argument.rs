@@ -2,15 +2,14 @@
 
 use super::set::outside_range;
 use super::{CliError, Messages, suggest};
+use crate::exchange::open::{Opened, open};
+use crate::exchange::{ExchangeError, Format};
 use crate::files;
 use crate::picture_file::embedded_job;
 use burnish_material::{Finding, LimitKind, Material, MaterialFile, Severity, Warning};
 use burnish_renderer::scene::TextureSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Endings of files that hold materials in other formats, which a later version reads.
-const LATER_ENDINGS: &[&str] = &["gltf", "glb", "mtlx", "usd", "usda", "usdc", "usdz", "mdl", "sbsar"];
 
 /// A material that can be rendered, with the images it names.
 #[derive(Clone, Debug, Default)]
@@ -45,6 +44,18 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
     let path = Path::new(text);
     if preset_name(text).is_none() && burnish_assets::is_image_path(path) {
         return of_picture(path, messages);
+    }
+    if preset_name(text).is_none()
+        && let Some(opened) = of_other_format(path, messages)?
+    {
+        let (textures, problems) = opened.textures();
+        problems.iter().for_each(|problem| messages.warn_about(path, problem));
+        return Ok(LoadedMaterial {
+            material: Arc::new(opened.file.material().clone()),
+            textures: Arc::new(textures),
+            file: Some(Arc::new(opened.file)),
+            ..LoadedMaterial::default()
+        });
     }
     let file = load_file(text, messages)?;
     let material = file.material().clone();
@@ -89,7 +100,9 @@ pub fn load_file(text: &str, messages: &mut Messages) -> Result<MaterialFile, Cl
         return Ok(file);
     }
     let path = Path::new(text);
-    refuse_later_formats(path)?;
+    if let Some(opened) = of_other_format(path, messages)? {
+        return Ok(opened.file);
+    }
     if !path.exists() && burnish_presets::find(text).is_some() {
         return Err(CliError::unusable(format!("{text}: there is no such file; did you mean `preset:{text}`?")));
     }
@@ -118,17 +131,27 @@ fn report(place: &str, warnings: &[Warning], messages: &mut Messages) -> Result<
     Ok(())
 }
 
-fn refuse_later_formats(path: &Path) -> Result<(), CliError> {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let what = if LATER_ENDINGS.contains(&ending.as_str()) {
-        "reading materials from other formats"
-    } else {
-        return Ok(());
-    };
-    Err(CliError::unusable(format!(
-        "{}: {what} is not in this version; expected an .asm.ron file, a picture of ours or preset:NAME",
-        path.display()
-    )))
+/// The first material of a file in another format; a warning names the others. `None` for a native file.
+fn of_other_format(path: &Path, messages: &mut Messages) -> Result<Option<Opened>, CliError> {
+    match Format::of(path) {
+        None => {
+            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+            if ["usd", "usdc", "sbsar"].contains(&ending.as_str()) {
+                return Err(CliError::unusable(ExchangeError::UnknownFormat { path: path.to_path_buf() }));
+            }
+            return Ok(None);
+        }
+        Some(Format::Native) => return Ok(None),
+        Some(_) => {}
+    }
+    let mut all = open(path).map_err(CliError::unusable)?;
+    let others: Vec<String> = all.drain(1..).map(|other| other.file.material().name.clone()).collect();
+    if !others.is_empty() {
+        messages.warn(format!("{}: the first material is taken; the others are {}", path.display(), others.join(", ")));
+    }
+    let first = all.pop();
+    first.iter().flat_map(|first| &first.notes).for_each(|note| messages.warn_about(path, note));
+    Ok(first)
 }
 
 #[cfg(test)]
@@ -148,7 +171,7 @@ mod tests {
         let cases = [
             ("preset:no such thing at all", "presets list"),
             (first.name, "did you mean `preset:"),
-            ("chair.gltf", "not in this version"),
+            ("chair.gltf", "chair.gltf: cannot be read"),
             ("picture.PNG", "picture.PNG: cannot be read"),
             ("nowhere.asm.ron", "nowhere.asm.ron: cannot be read"),
         ];

@@ -6,6 +6,7 @@
 pub mod check;
 pub mod compare;
 pub mod converge;
+pub mod convert;
 pub mod diff;
 pub mod features;
 mod interrupt;
@@ -20,6 +21,7 @@ pub mod render;
 mod repeat;
 pub mod scene_options;
 mod set;
+pub mod shader;
 pub mod stability;
 pub(crate) mod suggest;
 mod target;
@@ -34,9 +36,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
-
-/// Words that a later version understands; until then each is refused with a sentence.
-const LATER_COMMANDS: &[&str] = &["convert", "shader"];
 
 /// A material editor for the Adobe Standard Material 4.0.
 ///
@@ -70,6 +69,8 @@ enum Command {
     Presets(presets::PresetsArguments),
     /// Checks material files, or all in a folder: whether they can be read, and what is hardly meant
     Check(check::CheckArguments),
+    /// Writes a material in another format, and tells what that costs
+    Convert(Box<convert::ConvertArguments>),
     /// Lists what two materials differ in, value by value
     Diff(Box<diff::DiffArguments>),
     /// Puts two versions of a material together that were made from a third
@@ -78,6 +79,8 @@ enum Command {
     Features(Box<features::FeaturesArguments>),
     /// A folder of materials as a library: what is in it, small pictures of it, and whether it can be handed out
     Library(library::LibraryArguments),
+    /// Writes the material's BSDF as shader code with only the lobes that it needs
+    Shader(shader::ShaderArguments),
     /// Renders an image sequence around the object
     Turntable(Box<turntable::TurntableArguments>),
     /// Probes materials numerically at extremes; without one, the built-in suite
@@ -172,14 +175,6 @@ impl Messages {
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
     let words: Vec<_> = std::env::args_os().collect();
-    if let Some(word) = words.get(1).and_then(|word| word.to_str())
-        && LATER_COMMANDS.contains(&word)
-        && !Path::new(word).exists()
-    {
-        return exit(Err(CliError::unusable(format!(
-            "`{word}` is not in this version; expected render, converge, compare, parity, presets, check, diff, merge, features, library, stability, turntable or files to open"
-        ))));
-    }
     let arguments = match Arguments::try_parse_from(words) {
         Ok(arguments) => arguments,
         Err(error) if error.use_stderr() => return exit(Err(CliError::Unusable(sentence_of(&error)))),
@@ -200,10 +195,12 @@ pub fn main() -> ExitCode {
                 Command::Parity(arguments) => parity::run(&arguments),
                 Command::Presets(arguments) => presets::run(&arguments),
                 Command::Check(arguments) => check::run(&arguments),
+                Command::Convert(arguments) => convert::run(&arguments),
                 Command::Diff(arguments) => diff::run(&arguments),
                 Command::Merge(arguments) => merge::run(&arguments),
                 Command::Features(arguments) => features::run(&arguments),
                 Command::Library(arguments) => library::run(&arguments),
+                Command::Shader(arguments) => shader::run(&arguments),
                 Command::Turntable(arguments) => turntable::run(&arguments),
                 Command::Stability(arguments) => stability::run(&arguments),
             }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
+mod convert;
 mod handing_out;
 mod library;
 mod measure;
@@ -15,6 +16,7 @@ mod openjd;
 mod pictures;
 mod release;
 mod render;
+mod shader;
 mod thumbnails;
 mod turntable;
 mod usage;

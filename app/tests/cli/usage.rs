@@ -24,6 +24,9 @@ fn unusable_arguments_exit_with_2_and_one_line() {
     exr::prelude::write_rgb_file(place.path("nan.exr"), 8, 4, |x, y| (0.5_f32, nan(x, y), 0.5_f32)).unwrap();
     let cases: &[(&[&str], &[&str])] = &[
         (&["render"], &["--out"]),
+        (&["shader", "red.asm.ron", "--out", "a.wgsl"], &["--lang"]),
+        (&["shader", "red.asm.ron", "--lang", "cg", "--out", "a.cg"], &["wgsl, hlsl, glsl, msl, spirv or osl"]),
+        (&["shader", "red.asm.ron", "--lang", "osl", "--out", "none/a.osl"], &["none/a.osl", "folder"]),
         (&["render", "red.asm.ron"], &["--out"]),
         (&["render", "--out", "a.png"], &["expected MATERIAL"]),
         (&["render", "red.asm.ron", "--out", "a.jpg"], &["a.jpg", ".png or .exr"]),
@@ -36,7 +39,7 @@ fn unusable_arguments_exit_with_2_and_one_line() {
         (&["render", "--scene", "scenes", "--out", "a.png"], &["scenes", "expected a file, found a folder"]),
         (&["render", "--scene", "scenes/film.json", "--out", "a.png"], &["film.json", "film.width", "16777216"]),
         (&["render", "preset:no such thing", "--out", "a.png"], &["presets list"]),
-        (&["render", "chair.gltf", "--out", "a.png"], &["chair.gltf", "not in this version"]),
+        (&["render", "chair.gltf", "--out", "a.png"], &["chair.gltf", "cannot be read"]),
         (&["render", "old.exr", "--out", "a.png"], &["old.exr", "cannot be read"]),
         (&["render", "env/grey.exr", "--out", "a.png"], &["grey.exr", "expected a material, or a picture"]),
         (&["render", "env/grey.exr", "--spp", "1", "--out", "a.png"], &["grey.exr", "expected a material, or a picture"]),

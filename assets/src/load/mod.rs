@@ -110,8 +110,12 @@ pub fn load_image(path: &Path) -> Result<Image, AssetError> {
     if !is_image_path(path) {
         return Err(AssetError::UnknownFormat { file: path.to_owned(), expected: ".png, .jpg, .jpeg, .exr or .hdr" });
     }
-    let bytes = read_file(path)?;
-    if has_ending(path, &["exr"]) { images::read_exr(path, &bytes) } else { images::read_common(path, &bytes) }
+    decode_image(path, &read_file(path)?)
+}
+
+/// The same of bytes that lie elsewhere. `path` is for messages, and its ending for what no contents tell.
+pub fn decode_image(path: &Path, bytes: &[u8]) -> Result<Image, AssetError> {
+    if has_ending(path, &["exr"]) { images::read_exr(path, bytes) } else { images::read_common(path, bytes) }
 }
 
 /// The bytes of a file, if it is not larger than [`MAX_FILE_BYTES`].

@@ -87,7 +87,7 @@ macro_rules! shading_fields {
             } ),+];
 
             /// Its values in the order of the table.
-            pub fn to_values(&self) -> Vec<$crate::Value> {
+            pub fn to_values(self) -> Vec<$crate::Value> {
                 vec![$( $crate::Value::$kind(self.$name) ),+]
             }
 

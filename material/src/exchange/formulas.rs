@@ -35,6 +35,31 @@ pub fn roughness_anisotropy(along: f64, across: f64) -> (f64, f64) {
     (across.max(0.0).sqrt(), (along - across).max(0.0).powf(0.25).min(1.0))
 }
 
+/// Largest anisotropy of models that split the two widths by an aspect (5.1).
+pub const MAX_ASPECT: f64 = 0.98;
+
+/// Roughness and anisotropy of models with `aspect = sqrt(1 - anisotropy)` that have the widths of ASM's lobe (5.1).
+pub fn aspect_roughness(roughness: f64, anisotropy: f64) -> (f64, f64) {
+    let (along, across) = alphas(roughness, anisotropy);
+    if anisotropy == 0.0 {
+        return (roughness, 0.0);
+    }
+    let aspect = if along > 0.0 { (1.0 - across / along).min(MAX_ASPECT) } else { 0.0 };
+    // The roughness follows the widths: where the aspect is cut off, the longer one stays.
+    ((along * (1.0 - aspect).sqrt()).sqrt(), aspect)
+}
+
+/// ASM's roughness and anisotropy from those of models with an aspect (5.1). Clamped to [0, 1].
+pub fn roughness_of_aspect(roughness: f64, anisotropy: f64) -> (f64, f64) {
+    let (roughness, anisotropy) = (roughness.clamp(0.0, 1.0), anisotropy.clamp(0.0, MAX_ASPECT));
+    if anisotropy == 0.0 {
+        return (roughness, 0.0);
+    }
+    let aspect = (1.0 - anisotropy).sqrt();
+    let (roughness, anisotropy) = roughness_anisotropy(roughness * roughness / aspect, roughness * roughness * aspect);
+    (roughness.min(1.0), anisotropy)
+}
+
 /// Single-scattering albedo that gives a thick body this colour (5.6): the exact inverse of [`scatter_color_of`], with all its digits.
 pub fn single_scattering_albedo(color: f64) -> f64 {
     let c = color.clamp(0.0, 1.0);

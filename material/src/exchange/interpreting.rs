@@ -1,5 +1,6 @@
 //! What all ways back to ASM share: defaults, and numbers brought into their range with a note.
 
+use super::formulas as f;
 use super::model::Notes;
 use crate::material::Material;
 use crate::properties::Inputs;
@@ -16,4 +17,18 @@ pub fn unit(name: &str, x: f64, notes: &mut Notes) -> f64 {
         notes.push(format!("{name}: {x} was brought into 0 to 1"));
     }
     inside
+}
+
+/// Turns brought into [0, 1]; a full one is kept.
+pub fn turn(turns: f64) -> f64 {
+    if (0.0..=1.0).contains(&turns) { turns } else { turns.rem_euclid(1.0) }
+}
+
+/// Scattering distance and its scale by channel from a body's colour and its mean free paths, red shift and Rayleigh scattering off (5.6).
+pub fn distances(color: [f64; 3], paths: [f64; 3], name: &str, notes: &mut Notes) -> (f64, [f64; 3]) {
+    let scale = f::distance_scale(color, paths);
+    if scale.iter().any(|s| *s > 1.0 + 1e-6) {
+        notes.push(format!("{name}: a dark channel travels further than ASM lets it; shortened"));
+    }
+    (f::largest(paths), scale.map(|s| s.clamp(0.0, 1.0)))
 }

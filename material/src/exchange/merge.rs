@@ -13,29 +13,30 @@ const TOLERANCE: f64 = 1e-5;
 /// The material of a file that holds a native copy, and fields that a program may have changed since.
 ///
 /// A property whose parameters say what they said when the file was written has its native value, bit for bit. Where a parameter was
-/// changed, the properties that follow it have the values that the parameters mean now, and a note tells of it.
+/// changed, the properties that mean something else by it have the values that the parameters mean now, and a note tells of it.
 pub fn merge(model: &ShadingModel, native: &Native, file: &Fields, context: &Context, notes: &mut Notes) -> Material {
     let written = native.translation.clone().unwrap_or_else(|| model.translate(&native.material, context).fields);
     let pairs = model.fields.iter().zip(written.0.iter().zip(&file.0));
-    let changed: Vec<_> = pairs.filter(|(_, (old, new))| !is_same(old, new)).collect();
+    // What no property follows is kept or dropped by the format.
+    let changed: Vec<_> = pairs.filter(|(def, (old, new))| !def.to.is_empty() && !is_same(old, new)).collect();
     if changed.is_empty() {
         return native.material.clone();
     }
-    let mut ignored = Notes::new();
-    let derived = model.interpret(file, context, &mut ignored);
+    let meaning_of = |fields: &Fields| model.interpret(fields, context, &mut Notes::new());
+    let (before, after) = (meaning_of(&written), meaning_of(file));
     let mut material = native.material.clone();
     for (def, (old, new)) in changed {
-        let names: Vec<&str> = def.to.iter().map(|property| property.def().name).collect();
-        for property in def.to {
-            *material.slot_mut(*property) = derived.slot(*property).clone();
+        // A parameter may lead to a property in some materials only; where it means what it meant, the native value stays.
+        let moved: Vec<_> = def.to.iter().copied().filter(|property| before.slot(*property) != after.slot(*property)).collect();
+        for property in &moved {
+            *material.slot_mut(*property) = after.slot(*property).clone();
         }
-        notes.push(format!(
-            "{}: another program changed `{}` from {} to {}; its value holds",
-            names.join(", "),
-            def.name,
-            text(old),
-            text(new)
-        ));
+        let names: Vec<&str> = moved.iter().map(|property| property.def().name).collect();
+        let (old, new) = (text(old), text(new));
+        notes.push(match names.as_slice() {
+            [] => format!("another program changed `{}` from {old} to {new}; nothing follows it here", def.name),
+            _ => format!("{}: another program changed `{}` from {old} to {new}; its value holds", names.join(", "), def.name),
+        });
     }
     material
 }

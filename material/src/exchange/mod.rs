@@ -8,12 +8,18 @@
 
 pub mod field;
 pub mod formulas;
+pub mod gltf;
 pub mod interpreting;
 pub mod loss;
+pub mod materialx;
+pub mod mdl;
 pub mod merge;
 pub mod model;
 pub mod models;
 pub mod native;
+pub mod plan;
 pub mod texture;
+pub mod usd;
+pub mod uv;
 
 pub use model::{MODELS, ShadingModel};

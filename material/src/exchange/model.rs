@@ -6,7 +6,7 @@ use super::models;
 use super::texture::{Image, Link, link};
 use crate::material::Material;
 use crate::properties::{Inputs, PROPERTIES, Property};
-use crate::value::Value;
+use crate::value::{Kind, Value, Vary};
 
 /// What a translation has to know beside the values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,13 @@ pub struct ShadingModel {
 }
 
 /// Every shading model that something is translated to or from.
-pub const MODELS: &[&ShadingModel] = &[&models::open_pbr::MODEL];
+pub const MODELS: &[&ShadingModel] = &[
+    &models::open_pbr::MODEL,
+    &models::standard_surface::MODEL,
+    &models::gltf::MODEL,
+    &models::usd_preview::MODEL,
+    &models::disney_principled::MODEL,
+];
 
 /// What a material becomes in a shading model.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,14 +121,19 @@ impl ShadingModel {
                 }
             }
             let value = inputs.value(def.id);
-            if value != def.default || (is_said && textured.is_empty()) {
+            let mut texture = super::texture::back(def.id, &textured, fields, &values, notes, |v| {
+                (self.interpret)(v, context, &mut Notes::new()).value(def.id)
+            });
+            if def.vary == Vary::Uniform && texture.take().is_some() && def.default.kind() != Kind::Bool {
+                notes.push(format!(
+                    "{}: one value for the whole material, no image: that at the image's middle is taken",
+                    def.name
+                ));
+            }
+            if texture.is_none() && (value != def.default || (is_said && textured.is_empty())) {
                 material.set(def.id, value);
             }
-            if let Some(texture) = super::texture::back(def.id, &textured, fields, &values, notes, |v| {
-                (self.interpret)(v, context, &mut Notes::new()).value(def.id)
-            }) {
-                material.slot_mut(def.id).texture = Some(texture);
-            }
+            material.slot_mut(def.id).texture = texture;
         }
         material
     }

@@ -121,7 +121,10 @@ pub fn read(json: &Json, table: Option<&[FieldDef]>, notes: &mut Notes) -> Optio
             }
         }
     }
-    let translation = table.zip(json.get("translation")).map(|(table, json)| read_fields(table, json));
+    // A record without any of these parameters is of another make and says nothing about them.
+    let translation =
+        table.zip(json.get("translation")).filter(|(table, json)| table.iter().any(|def| json.get(def.name).is_some()));
+    let translation = translation.map(|(table, json)| read_fields(table, json));
     Some(Native { material, translation })
 }
 

@@ -39,11 +39,17 @@ struct Line {
     offset: [f64; 3],
 }
 
-/// Points where a line is looked for and checked. Inside of the range: ends are where formulas clamp.
+/// Points where a line is looked for and checked, as shares of the range. Inside of it: ends are where formulas clamp.
 const START: f64 = 0.3;
 const STEP: f64 = 0.4;
 const CHECKS: [[f64; 3]; 4] = [[0.15, 0.55, 0.85], [0.9, 0.2, 0.5], [0.05, 0.95, 0.35], [0.62, 0.62, 0.62]];
 const TOLERANCE: f64 = 1e-7;
+
+/// Least value and extent of what an image holds, within what properties take: its own range, or 0 to 1 where that is hardly any.
+fn range(scale: f64, bias: f64) -> (f64, f64) {
+    let (least, most) = (bias.min(bias + scale).max(0.0), bias.max(bias + scale).min(1.0));
+    if most - least > 1e-3 { (least, most - least) } else { (0.0, 1.0) }
+}
 
 fn same_kind(kind: Kind, v: [f64; 3]) -> Value {
     match kind {
@@ -54,9 +60,11 @@ fn same_kind(kind: Kind, v: [f64; 3]) -> Value {
 }
 
 impl Line {
-    /// The line that `f` is; `None` if it bends.
-    fn of(kind: Kind, f: impl Fn(Value) -> Option<Value>) -> Option<Self> {
+    /// The line that `f` is for the values of an image; `None` if it bends there.
+    fn of(kind: Kind, image: &TextureRef, f: impl Fn(Value) -> Option<Value>) -> Option<Self> {
         let inputs = if kind == Kind::Float { 1 } else { 3 };
+        let range: [(f64, f64); 3] = std::array::from_fn(|k| range(image.scale[k], image.bias[k]));
+        let inside = |v: [f64; 3]| std::array::from_fn(|k| range[k].0 + range[k].1 * v[k]);
         let at = |v: [f64; 3]| -> Option<([f64; 3], usize)> {
             let out = f(same_kind(kind, v))?;
             let mut numbers = [0.0; 3];
@@ -64,15 +72,16 @@ impl Line {
             numbers[..count].copy_from_slice(out.numbers());
             (count > 0 && numbers.iter().all(|x| x.is_finite())).then_some((numbers, count))
         };
-        let (start, outputs) = at([START; 3])?;
+        let first: [f64; 3] = inside([START; 3]);
+        let (start, outputs) = at(first)?;
         let mut line = Self { inputs, outputs, slope: [[0.0; 3]; 3], offset: start };
         for i in 0..inputs {
-            let mut v = [START; 3];
-            v[i] += STEP;
+            let mut v = first;
+            v[i] += STEP * range[i].1;
             let (moved, _) = at(v)?;
             for out in 0..outputs {
-                line.slope[out][i] = (moved[out] - start[out]) / STEP;
-                line.offset[out] -= line.slope[out][i] * START;
+                line.slope[out][i] = (moved[out] - start[out]) / (STEP * range[i].1);
+                line.offset[out] -= line.slope[out][i] * first[i];
             }
         }
         let is_on = |v: &[f64; 3]| {
@@ -80,7 +89,7 @@ impl Line {
                 (0..outputs).all(|out| (found[out] - line.at(out, v)).abs() <= TOLERANCE * (1.0 + found[out].abs()))
             })
         };
-        CHECKS.iter().all(is_on).then(|| line.tidied())
+        CHECKS.iter().all(|v| is_on(&inside(*v))).then(|| line.tidied())
     }
 
     fn at(&self, out: usize, v: &[f64; 3]) -> f64 {
@@ -149,30 +158,44 @@ pub(super) fn link(
     inputs: &Inputs<f64>,
     value_of: impl Fn(&Inputs<f64>) -> Option<Value>,
 ) -> Link {
-    let with = |property: Property, value: Value| {
+    let with = |inputs: &Inputs<f64>, property: Property, value: Value| {
         let mut changed = *inputs;
         changed.set(property, value);
         value_of(&changed)
     };
+    // What one image does may depend on the value of another: each is asked with the others at their uniform values and at two more.
+    let others_at = |x: f64| {
+        let mut moved = *inputs;
+        for other in textured {
+            let kind = other.def().default.kind();
+            if kind != Kind::Normal {
+                moved.set(*other, same_kind(kind, [x; 3]));
+            }
+        }
+        moved
+    };
+    let settings = [*inputs, others_at(START), others_at(START + STEP)];
+    let settings = if textured.len() > 1 { settings.as_slice() } else { &settings[..1] };
     let mut direct = None;
     for property in textured {
         let kind = property.def().default.kind();
         let Some(image) = &material.slot(*property).texture else { continue };
         if kind == Kind::Normal {
             let tilted = Value::Normal([0.6, 0.0, 0.8]);
-            match with(*property, tilted) {
+            match with(inputs, *property, tilted) {
                 Some(value) if value == tilted && direct.is_none() => direct = Some(image.clone()),
-                Some(value) if Some(value) == with(*property, Value::Normal([0.0, 0.0, 1.0])) => {}
+                Some(value) if Some(value) == with(inputs, *property, Value::Normal([0.0, 0.0, 1.0])) => {}
                 _ => return Link::Computed,
             }
             continue;
         }
-        let Some(line) = Line::of(kind, |value| with(*property, value)) else { return Link::Computed };
-        if line.is_constant() {
+        let lines = settings.iter().map(|inputs| Line::of(kind, image, |value| with(inputs, *property, value)));
+        let Some(lines) = lines.collect::<Option<Vec<Line>>>() else { return Link::Computed };
+        if lines.iter().all(Line::is_constant) {
             continue;
         }
-        match line.through(image) {
-            Some(image) if direct.is_none() => direct = Some(image),
+        match lines[0].through(image) {
+            Some(image) if direct.is_none() && lines.iter().all(|line| *line == lines[0]) => direct = Some(image),
             _ => return Link::Computed,
         }
     }
@@ -201,7 +224,7 @@ pub(super) fn back(
             }
             continue;
         }
-        let line = Line::of(value.kind(), |new| {
+        let line = Line::of(value.kind(), image, |new| {
             let mut changed = values.to_vec();
             *changed.get_mut(*place)? = new;
             Some(value_of(&changed))
@@ -252,7 +275,23 @@ mod tests {
         let found = direct(linked(Property::base_color, |i| Value::Float(i.base_color[1])));
         assert_eq!(found.2, Channel::G);
         assert!(matches!(linked(Property::roughness, |i| Value::Float(i.roughness.powi(2))), Link::Computed));
+        let clamped = |i: &Inputs<f64>| Some(Value::Float((2.0 * i.roughness).min(1.0)));
+        assert!(matches!(linked(Property::roughness, |i| clamped(i).unwrap_or(Value::Float(0.0))), Link::Computed));
+        let mut dark = material(Property::roughness, "a.png");
+        dark.slot_mut(Property::roughness).texture.as_mut().expect("just put there").scale = [0.5; 3];
+        assert_eq!(direct(link(&[Property::roughness], &dark, &dark.inputs(), clamped)).0, [1.0; 3]);
         assert!(matches!(linked(Property::base_color, |i| Value::Color([i.base_color[1]; 3])), Link::Computed));
         assert!(matches!(linked(Property::roughness, |i| Value::Float(i.metallic)), Link::Constant));
+    }
+
+    #[test]
+    fn images_that_multiply_need_one_of_their_own() {
+        let mut material = material(Property::specular_level, "l.png");
+        material.slot_mut(Property::metallic).texture = Some(TextureRef::new("m.png"));
+        let textured = [Property::specular_level, Property::metallic];
+        let linked = |f: fn(&Inputs<f64>) -> f64| link(&textured, &material, &material.inputs(), |i| Some(Value::Float(f(i))));
+        // At the uniform values, 0.5 and 0, the metal seems to change nothing.
+        assert!(matches!(linked(|i| 2.0 * i.specular_level * (1.0 - i.metallic) + i.metallic), Link::Computed));
+        assert!(matches!(linked(|i| 2.0 * i.specular_level), Link::Direct(_)));
     }
 }

@@ -47,14 +47,16 @@ impl Texture {
     }
 
     fn new(property: Property, reference: &TextureRef, source: Arc<Source>) -> Self {
-        // Scale, then rotation, then shift; v grows downwards, so a counterclockwise turn has the sine below the diagonal negative.
-        let (sin, cos) = reference.uv_rotation.to_radians().sin_cos();
         let [su, sv] = reference.uv_scale;
-        let [ou, ov] = reference.uv_offset;
-        let transform = [[cos * su, sin * sv, ou], [-sin * su, cos * sv, ov]];
         let (width, height) = source.size(0);
         let density = ((su * sv).abs() * (width * height) as f64).sqrt() as f32;
-        Self { property, wrap: reference.wrap, transform: transform.map(|row| row.map(|x| x as f32)), density, source }
+        Self {
+            property,
+            wrap: reference.wrap,
+            transform: reference.transform().map(|row| row.map(|x| x as f32)),
+            density,
+            source,
+        }
     }
 
     /// The value if it is the same everywhere.

@@ -38,7 +38,7 @@ mod frame;
 mod pipelines;
 mod rays;
 mod relief;
-mod shader;
+pub(crate) mod shader;
 mod take;
 mod targets;
 mod timing;

@@ -8,11 +8,11 @@ use crate::bsdf::albedos::{AXES, HEAD};
 use crate::bsdf::dispersion::{LAMBDA_D, WAVELENGTH_RANGE, spectrum};
 use crate::bsdf::tables::{COSINES, ROUGHNESSES, sheen_table};
 use crate::lanes::Lanes;
-use burnish_material::{ASM_MATERIAL_WGSL, LOBES, PROPERTIES, Vary};
+use burnish_material::{ASM_MATERIAL_WGSL, LOBES, LobeSet, PROPERTIES, Vary};
 use std::fmt::Write;
 
 /// A piece of a shader: where it comes from and its text.
-pub(super) type Piece = (&'static str, String);
+pub(crate) type Piece = (&'static str, String);
 
 macro_rules! file {
     ($path:literal) => {
@@ -21,11 +21,14 @@ macro_rules! file {
 }
 
 /// Constants that are written once in Rust: lobe switches, table sizes, the smallest alpha, wavelengths.
-fn printed() -> String {
+fn printed(lobes: Option<LobeSet>) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
     for def in LOBES {
-        _ = writeln!(text, "override {}: bool = true;", def.switch);
+        _ = match lobes {
+            None => writeln!(text, "override {}: bool = true;", def.switch),
+            Some(lobes) => writeln!(text, "const {}: bool = {};", def.switch, lobes.has(def.lobe)),
+        };
     }
     _ = writeln!(text, "const ALPHA_MIN: f32 = {:e};", <f32 as Lanes>::ALPHA_MIN);
     for (name, value) in [("ROUGHNESSES", ROUGHNESSES), ("COSINES", COSINES), ("AXES", AXES), ("HEAD", HEAD)] {
@@ -52,10 +55,11 @@ fn mapped_rows() -> String {
     text + "    return rows;\n}\n"
 }
 
-/// The lobes, without anything that draws: they need an array `albedo_tables` beside them.
-fn twins() -> Vec<Piece> {
+/// The lobes, without anything that draws: they need an array `albedo_tables` beside them. A set of lobes holds for good; without one, pipelines
+/// choose it.
+pub(crate) fn twins(lobes: Option<LobeSet>) -> Vec<Piece> {
     vec![
-        ("printed constants", printed()),
+        ("printed constants", printed(lobes)),
         ("asm_material.gen.wgsl", ASM_MATERIAL_WGSL.to_owned()),
         file!("bsdf/numbers.wgsl"),
         file!("bsdf/fresnel.wgsl"),
@@ -74,7 +78,7 @@ fn twins() -> Vec<Piece> {
 
 /// The shader that draws objects and background.
 pub(super) fn scene_pieces() -> Vec<Piece> {
-    let mut pieces = twins();
+    let mut pieces = twins(None);
     pieces.extend([
         file!("preview/frame.wgsl"),
         file!("preview/maps.wgsl"),
@@ -91,7 +95,7 @@ pub(super) fn scene_pieces() -> Vec<Piece> {
 
 /// The shader that traces rays.
 pub(super) fn rays_pieces() -> Vec<Piece> {
-    let mut pieces = twins();
+    let mut pieces = twins(None);
     pieces.extend([
         ("printed spectrum", printed_spectrum()),
         file!("preview/maps.wgsl"),
@@ -107,7 +111,7 @@ pub(super) fn rays_pieces() -> Vec<Piece> {
 }
 
 /// Wavelengths of equal probability and the weights of the channels for each, which sum to white.
-fn printed_spectrum() -> String {
+pub(crate) fn printed_spectrum() -> String {
     let steps = spectrum().steps(SPECTRUM_STEPS);
     let rows = steps.map(|[nm, r, g, b]| format!("    vec4f({nm:e}, {r:e}, {g:e}, {b:e}),\n")).collect::<String>();
     format!("const SPECTRUM: u32 = {SPECTRUM_STEPS}u;\nconst SPECTRUM_OF = array<vec4f, SPECTRUM>(\n{rows});\n")
@@ -124,7 +128,7 @@ pub(super) fn bloom_pieces() -> Vec<Piece> {
 }
 
 /// The source of a shader.
-pub(super) fn join(pieces: &[Piece]) -> String {
+pub(crate) fn join(pieces: &[Piece]) -> String {
     pieces.iter().map(|(_, text)| text.as_str()).collect::<Vec<_>>().join("\n")
 }
 
@@ -143,7 +147,7 @@ pub(super) fn place_of(pieces: &[Piece], line: usize) -> String {
 }
 
 /// The message of a refused shader with the places in it translated: `wgsl:120:5` becomes `bsdf/ggx.wgsl:14:5`.
-pub(super) fn translate(pieces: &[Piece], message: &str) -> String {
+pub(crate) fn translate(pieces: &[Piece], message: &str) -> String {
     let mut out = String::new();
     let mut rest = message;
     while let Some(at) = rest.find("wgsl:") {
@@ -167,7 +171,7 @@ pub(super) fn translate(pieces: &[Piece], message: &str) -> String {
 /// `extra` holds the entry points and may use bindings of group 1; group 0 binding 0 is the array of the albedo tables,
 /// to be filled with [`albedo_table_values`].
 pub fn twin_shader(extra: &str) -> String {
-    let mut pieces = twins();
+    let mut pieces = twins(None);
     pieces.push(("table binding", "@group(0) @binding(0) var<storage, read> albedo_tables: array<f32>;\n".to_owned()));
     pieces.push(file!("tonemap.wgsl"));
     pieces.push(("entry points", extra.to_owned()));
@@ -191,8 +195,7 @@ pub fn albedo_table_values<'a>(materials: impl IntoIterator<Item = &'a Albedos>)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use burnish_material::{Lobe, LobeSet};
-    use wgpu::naga;
+    use burnish_material::Lobe;
 
     fn parse(pieces: &[Piece]) -> naga::Module {
         let source = join(pieces);

@@ -4,7 +4,7 @@ use super::device::{PreviewError, guarded};
 use super::environment::{Level, half_texels};
 use crate::scene::{Object, TextureSet};
 use burnish_assets::{Image, Mesh};
-use burnish_material::{Channel, ColorSpace, Kind, PROPERTIES, PROPERTY_COUNT, Property, TextureRef, Vary, Wrap};
+use burnish_material::{PROPERTIES, PROPERTY_COUNT, Property, TextureRef, Vary, Wrap};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
@@ -155,10 +155,8 @@ pub(super) fn object_block(object: &Object, albedos: u32, first_layer: u32) -> O
         if property == Property::height {
             block.params[2] = BUMPED;
         }
-        let (sin, cos) = reference.uv_rotation.to_radians().sin_cos();
-        let [sx, sy] = reference.uv_scale;
-        // Counterclockwise in an image whose v grows downwards.
-        let matrix = [cos * sx, sin * sy, -sin * sx, cos * sy].map(|x| x as f32);
+        let [[uu, uv, _], [vu, vv, _]] = reference.transform();
+        let matrix = [uu, uv, vu, vv].map(|x| x as f32);
         let wrap = match reference.wrap {
             Wrap::Repeat => 0.0,
             Wrap::Clamp => 1.0,
@@ -185,31 +183,9 @@ pub(super) fn mapped(object: &Object) -> Vec<(Property, &TextureRef, &Image)> {
         .collect()
 }
 
-/// One texel of an image as the property means it: linear colour, a number in all channels, or a direction.
+/// One texel of an image as the property means it.
 fn decode(texel: [f32; 4], property: Property, reference: &TextureRef, image: &Image) -> Vec3 {
-    let def = property.def();
-    let is_srgb = match reference.color_space {
-        ColorSpace::Srgb => true,
-        ColorSpace::Linear => false,
-        ColorSpace::Auto => image.is_eight_bit && def.default.kind() == Kind::Color,
-    };
-    let linear = |x: f32| if is_srgb { crate::tonemap::srgb_decode(x) } else { x };
-    let [r, g, b, a] = texel;
-    let picked = match reference.channel {
-        Channel::Rgb => None,
-        Channel::R => Some(linear(r)),
-        Channel::G => Some(linear(g)),
-        Channel::B => Some(linear(b)),
-        Channel::A => Some(a),
-    };
-    let kind = def.default.kind();
-    let color = match (picked, kind) {
-        (Some(x), _) => [x; 3],
-        (None, Kind::Color | Kind::Normal) => [linear(r), linear(g), linear(b)],
-        (None, Kind::Float | Kind::Bool) => [(linear(r) + linear(g) + linear(b)) / 3.0; 3],
-    };
-    let color = Vec3::from(reference.affine(kind).map_or(color, |affine| affine.apply(color)));
-    if kind == Kind::Normal { color * 2.0 - 1.0 } else { color }
+    Vec3::from(crate::texel::decode(texel, property, reference, image.is_eight_bit))
 }
 
 /// The images of a scene's materials as one array of textures with mip levels.
@@ -375,6 +351,7 @@ pub(super) fn chain(base: Level) -> Vec<Level> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use burnish_material::Channel;
     use burnish_material::Material;
 
     #[test]

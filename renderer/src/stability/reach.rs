@@ -1,9 +1,9 @@
 //! The values that shading can meet on a material with images.
 
 use crate::scene::Object;
-use crate::tonemap::srgb_decode;
+use crate::texel;
 use burnish_assets::Image;
-use burnish_material::{Channel, ColorSpace, Inputs, Kind, Material, Property, TextureRef, Value};
+use burnish_material::{Inputs, Material, Property, TextureRef, Value};
 
 /// The values that shading can meet: every image at its least and at its largest texel.
 pub(super) fn reachable(object: &Object, uniform: &Inputs<f64>) -> Vec<(String, Inputs<f64>)> {
@@ -64,14 +64,6 @@ pub(super) fn texture_of(object: &Object, property: Property) -> Option<(&Textur
 /// Least and largest texel of each channel, linear. Texels that are not finite count as the default, as in a picture.
 fn texel_range(property: Property, reference: &TextureRef, image: &Image) -> [[f64; 3]; 2] {
     let default = property.def().default;
-    let is_scalar = default.kind() == Kind::Float;
-    let is_srgb = match reference.color_space {
-        ColorSpace::Auto => image.is_eight_bit && default.kind() == Kind::Color,
-        ColorSpace::Srgb => true,
-        ColorSpace::Linear => false,
-    };
-    let affine = reference.affine(default.kind());
-    let decode = |x: f32| if is_srgb { srgb_decode(x) } else { x };
     let stand_in = match default {
         Value::Float(x) => [x; 3],
         Value::Color(c) | Value::Normal(c) => c,
@@ -79,16 +71,7 @@ fn texel_range(property: Property, reference: &TextureRef, image: &Image) -> [[f
     };
     let mut range = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     for texel in &image.texels {
-        let [r, g, b] = [decode(texel[0]), decode(texel[1]), decode(texel[2])];
-        let value = match reference.channel {
-            Channel::Rgb if is_scalar => [(r + g + b) / 3.0; 3],
-            Channel::Rgb => [r, g, b],
-            Channel::R => [r; 3],
-            Channel::G => [g; 3],
-            Channel::B => [b; 3],
-            Channel::A => [texel[3]; 3],
-        };
-        let value = affine.map_or(value, |affine| affine.apply(value));
+        let value = texel::stored(*texel, property, reference, image.is_eight_bit);
         for k in 0..3 {
             let x = if value[k].is_finite() { f64::from(value[k]) } else { stand_in[k] };
             range[0][k] = range[0][k].min(x);

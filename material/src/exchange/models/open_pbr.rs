@@ -6,7 +6,8 @@
 use super::super::formulas as f;
 use super::super::loss::{Cell, Fate};
 use super::super::model::{Context, Notes, ShadingModel};
-use crate::exchange::interpreting::{default_inputs, unit};
+use super::fates;
+use crate::exchange::interpreting::{default_inputs, distances, turn, unit};
 use crate::properties::{Inputs, Property};
 
 /// Luminance, in nits, of an emission of 1. Adobe's convention.
@@ -135,8 +136,7 @@ pub fn interpret(p: &OpenPbr, _: &Context, notes: &mut Notes) -> Inputs<f64> {
         (i.roughness, i.anisotropy) = f::roughness_anisotropy(along, (1.0 - anisotropy) * along);
         i.roughness = i.roughness.min(1.0);
     }
-    i.anisotropy_rotation =
-        if (0.0..=1.0).contains(&p.tangent_rotation) { p.tangent_rotation } else { p.tangent_rotation.rem_euclid(1.0) };
+    i.anisotropy_rotation = turn(p.tangent_rotation);
     i.scatter = p.subsurface_weight > 0.0;
     i.translucency = unit("transmission_weight", if i.scatter { p.subsurface_weight } else { p.transmission_weight }, notes);
     if i.scatter && p.transmission_weight > 0.0 {
@@ -146,17 +146,11 @@ pub fn interpret(p: &OpenPbr, _: &Context, notes: &mut Notes) -> Inputs<f64> {
     i.absorption_distance = p.transmission_depth.max(0.0);
     i.dispersion = (p.dispersion_scale * 20.0 / p.dispersion_abbe.max(1e-3)).clamp(0.0, 20.0);
     i.scatter_color = p.subsurface_color.map(|c| unit("subsurface_color", c, notes));
-    if i.scatter {
-        let paths = p.subsurface_radius_scale.map(|s| s.max(0.0) * p.subsurface_radius.max(0.0));
-        i.scatter_distance = f::largest(paths);
-        let scale = f::distance_scale(i.scatter_color, paths);
-        i.scatter_distance_scale = scale.map(|s| s.clamp(0.0, 1.0));
-        if scale.iter().any(|s| *s > 1.0 + 1e-6) {
-            notes.push("subsurface_radius_scale: a dark channel travels further than ASM lets it; shortened".to_owned());
-        }
-    } else {
-        (i.scatter_distance, i.scatter_distance_scale) = (p.subsurface_radius.max(0.0), p.subsurface_radius_scale);
-    }
+    let paths = p.subsurface_radius_scale.map(|s| s.max(0.0) * p.subsurface_radius.max(0.0));
+    (i.scatter_distance, i.scatter_distance_scale) = match i.scatter {
+        true => distances(i.scatter_color, paths, "subsurface_radius_scale", notes),
+        false => (p.subsurface_radius.max(0.0), p.subsurface_radius_scale),
+    };
     i.coat = unit("coat_weight", p.coat_weight, notes);
     i.coat_color = p.coat_color.map(|c| unit("coat_color", c, notes));
     i.coat_roughness = unit("coat_roughness", p.coat_roughness, notes);
@@ -198,18 +192,11 @@ const CELLS: &[Cell] = &[
         },
     },
     Cell::exact(Property::normal, "geometry_normal"),
-    Cell {
-        property: Property::normal_scale,
-        target: "normalmap.scale",
-        fate: |i| match i.normal_scale {
-            s if s >= 1.0 => (Fate::Exact, ""),
-            _ => (Fate::Approximated, "below 1 ASM scales the angle, MaterialX the slope"),
-        },
-    },
+    Cell { property: Property::normal_scale, target: "normalmap.scale", fate: |i| fates::slope(i.normal_scale) },
     Cell::dropped(Property::combine_normal_and_height),
-    Cell { property: Property::height, target: "displacement", fate: height },
-    Cell { property: Property::height_scale, target: "displacement.scale", fate: |_| (Fate::Exact, "") },
-    Cell { property: Property::height_level, target: "displacement", fate: height },
+    Cell { property: Property::height, target: "displacement", fate: fates::height },
+    Cell::exact(Property::height_scale, "displacement.scale"),
+    Cell { property: Property::height_level, target: "displacement", fate: fates::height },
     Cell { property: Property::anisotropy, target: "specular_roughness_anisotropy", fate: highlight },
     Cell {
         property: Property::anisotropy_rotation,
@@ -230,26 +217,19 @@ const CELLS: &[Cell] = &[
     Cell { property: Property::dispersion, target: "transmission_dispersion_scale", fate: |_| (Fate::Remapped, "") },
     Cell::exact(Property::absorption_color, "transmission_color"),
     Cell::exact(Property::absorption_distance, "transmission_depth"),
-    Cell {
-        property: Property::scatter,
-        target: "subsurface_weight",
-        fate: |i| match i.translucency {
-            0.0 if i.scatter => (Fate::Dropped, "scattering without translucency has no weight to stand in"),
-            _ => (Fate::Remapped, ""),
-        },
-    },
+    Cell { property: Property::scatter, target: "subsurface_weight", fate: fates::scatter },
     Cell::exact(Property::scatter_color, "subsurface_color"),
-    Cell { property: Property::scatter_distance, target: "subsurface_radius", fate: radius },
-    Cell { property: Property::scatter_distance_scale, target: "subsurface_radius_scale", fate: radius },
-    Cell { property: Property::scatter_red_shift, target: "subsurface_radius_scale", fate: folded },
-    Cell { property: Property::scatter_rayleigh, target: "subsurface_radius_scale", fate: folded },
+    Cell { property: Property::scatter_distance, target: "subsurface_radius", fate: fates::mean_free_path },
+    Cell { property: Property::scatter_distance_scale, target: "subsurface_radius_scale", fate: fates::mean_free_path },
+    Cell { property: Property::scatter_red_shift, target: "subsurface_radius_scale", fate: fates::folded_path },
+    Cell { property: Property::scatter_rayleigh, target: "subsurface_radius_scale", fate: fates::folded_path },
     Cell::exact(Property::coat, "coat_weight"),
     Cell::exact(Property::coat_color, "coat_color"),
     Cell::exact(Property::coat_roughness, "coat_roughness"),
-    Cell { property: Property::coat_ior, target: "coat_ior", fate: level },
-    Cell { property: Property::coat_specular_level, target: "coat_ior", fate: level },
+    Cell { property: Property::coat_ior, target: "coat_ior", fate: fates::coat_level },
+    Cell { property: Property::coat_specular_level, target: "coat_ior", fate: fates::coat_level },
     Cell::exact(Property::coat_normal, "geometry_coat_normal"),
-    Cell::exact(Property::coat_normal_scale, "normalmap.scale"),
+    Cell { property: Property::coat_normal_scale, target: "normalmap.scale", fate: |i| fates::slope(i.coat_normal_scale) },
     Cell::dropped(Property::ambient_occlusion),
     Cell::dropped(Property::volume_thickness),
     Cell::dropped(Property::volume_thickness_scale),
@@ -263,36 +243,10 @@ fn highlight(i: &Inputs<f64>) -> (Fate, &'static str) {
     }
 }
 
-fn height(i: &Inputs<f64>) -> (Fate, &'static str) {
-    if i.height_level == 0.5 { (Fate::Remapped, "") } else { (Fate::Approximated, "only the height above the level is kept") }
-}
-
 fn fuzz(i: &Inputs<f64>) -> (Fate, &'static str) {
     match i.sheen {
         0.0 => (Fate::Exact, ""),
         _ if i.coat > 0.0 => (Fate::Approximated, "the fuzz lies over the coat there, below it here"),
         _ => (Fate::Approximated, "another lobe with the same numbers"),
-    }
-}
-
-fn radius(i: &Inputs<f64>) -> (Fate, &'static str) {
-    match i.scatter_red_shift == 0.0 && i.scatter_rayleigh == 0.0 {
-        true => (Fate::Remapped, "as mean free paths"),
-        false => (Fate::Approximated, "with red shift and Rayleigh scattering folded in"),
-    }
-}
-
-fn folded(i: &Inputs<f64>) -> (Fate, &'static str) {
-    match i.scatter_red_shift == 0.0 && i.scatter_rayleigh == 0.0 {
-        true => (Fate::Exact, ""),
-        false => (Fate::Approximated, "the same look, folded into the radii"),
-    }
-}
-
-fn level(i: &Inputs<f64>) -> (Fate, &'static str) {
-    if i.coat_specular_level == 0.5 {
-        (Fate::Exact, "")
-    } else {
-        (Fate::Approximated, "the level became part of the index of refraction")
     }
 }
