@@ -2,12 +2,17 @@
 
 mod common;
 
+use burnish_material::exchange::ShadingModel;
 use burnish_material::exchange::loss::Fate;
-use burnish_material::exchange::materialx::{ReadMaterial, WriteOptions, read, write};
+use burnish_material::exchange::materialx::{ReadMaterial, SURFACES, WriteOptions, read, write};
 use burnish_material::exchange::plan::{Job, Texel};
-use burnish_material::exchange::{MODELS, ShadingModel};
 use burnish_material::{Channel, ColorSpace, Kind, Material, PROPERTIES, Property, Provenance, TextureRef, Value, Vary, Wrap};
 use proptest::prelude::*;
+
+/// The models of MaterialX's surfaces.
+fn surfaces() -> impl Iterator<Item = &'static ShadingModel> {
+    SURFACES.iter().map(|surface| surface.model)
+}
 
 fn options(surface: &'static ShadingModel) -> WriteOptions<'static> {
     WriteOptions { surface, ..WriteOptions::default() }
@@ -109,7 +114,7 @@ proptest! {
 
     #[test]
     fn a_document_gives_back_every_bit(material in material()) {
-        for model in MODELS {
+        for model in surfaces() {
             let written = text(&material, model);
             let found = one(&written);
             prop_assert!(found.is_native);
@@ -124,7 +129,7 @@ proptest! {
         for def in PROPERTIES {
             material.slot_mut(def.id).texture = None;
         }
-        for model in MODELS {
+        for model in surfaces() {
             let written = write(&[&material], &options(model));
             let found = one(&without_native_copy(&written.text));
             prop_assert!(!found.is_native && found.surface == model.name);
@@ -144,7 +149,7 @@ proptest! {
             let mut material = Material::named("a");
             let texture = TextureRef { channel: if texture.channel == Channel::Rgb { channel } else { texture.channel }, ..texture.clone() };
             material.slot_mut(property).texture = Some(texture.clone());
-            let found = one(&without_native_copy(&text(&material, MODELS[0])));
+            let found = one(&without_native_copy(&text(&material, SURFACES[0].model)));
             let back = found.material.slot(property).texture.clone().expect("an image");
             prop_assert_eq!((&back.path, back.channel, back.wrap), (&texture.path, texture.channel, texture.wrap));
             let count = if property == Property::coat { 1 } else { 3 };
@@ -172,7 +177,7 @@ fn placed(texture: &TextureRef, uv: [f64; 2]) -> [f64; 2] {
 #[test]
 fn corners_of_the_ranges_come_back_and_several_share_a_document() {
     let materials = corners();
-    for model in MODELS {
+    for model in surfaces() {
         let written = write(&materials.iter().collect::<Vec<_>>(), &options(model));
         let found = read(&written.text).expect("our own document");
         assert_eq!(found.iter().map(|found| &found.material).collect::<Vec<_>>(), materials.iter().collect::<Vec<_>>());
@@ -213,7 +218,7 @@ fn edited(text: &str, tag: &str, input: &str, value: &str) -> String {
 #[test]
 fn an_edited_surface_changes_its_properties_alone() {
     let material = at(|low, high| low + 0.371 * (high - low), false);
-    let (model, written) = (MODELS[0], text(&material, MODELS[0]));
+    let (model, written) = (SURFACES[0].model, text(&material, SURFACES[0].model));
     for (input, value, property, expected) in [
         ("base_color", "0.1, 0.2, 0.3", Property::base_color, Value::Color([0.1, 0.2, 0.3])),
         ("specular_ior", "1.9", Property::specular_ior, Value::Float(1.9)),
@@ -244,7 +249,7 @@ fn an_edited_surface_changes_its_properties_alone() {
 fn a_copy_that_cannot_be_read_leaves_its_place_to_the_surface() {
     let mut material = Material::named("a");
     material.set(Property::roughness, Value::Float(0.7)).set(Property::metallic, Value::Float(0.25));
-    let written = text(&material, MODELS[0]);
+    let written = text(&material, SURFACES[0].model);
     for value in ["smooth", "nan", "1e400", "0.1, 0.2"] {
         let found = one(&edited(&written, "adobe_standard_material", "roughness", value));
         assert_eq!(found.material.float(Property::roughness), 0.7, "{value}");
@@ -305,7 +310,7 @@ fn textures_of_the_program_keep_their_name_in_the_copy() {
 
 #[test]
 fn every_input_reaches_the_surface_where_it_can() {
-    let written = text(&Material::named("a"), MODELS[0]);
+    let written = text(&Material::named("a"), SURFACES[0].model);
     let graph = &written[written.find("<nodegraph").expect("the graph")..written.find("</nodegraph>").expect("its end")];
     let unused = [
         "combine_normal_and_height",
@@ -336,7 +341,7 @@ fn every_input_reaches_the_surface_where_it_can() {
 
 /// The graph of our node with the material's values as its inputs, as a material of its own.
 fn implementation(material: &Material) -> String {
-    let written = text(material, MODELS[0]);
+    let written = text(material, SURFACES[0].model);
     let (start, end) = (written.find("<nodegraph").expect("the graph"), written.find("</nodegraph>").expect("its end"));
     let body = &written[start + written[start..end].find('>').expect("its tag") + 1..end];
     let inputs: String = PROPERTIES
@@ -364,7 +369,7 @@ proptest! {
         }
         // Where nothing scatters, the graph may say what it likes about the paths.
         material.set(Property::scatter, Value::Bool(true)).set(Property::translucency, Value::Float(translucency));
-        let expected = one(&without_native_copy(&text(&material, MODELS[0]))).material;
+        let expected = one(&without_native_copy(&text(&material, SURFACES[0].model))).material;
         let found = one(&implementation(&material)).material;
         for def in PROPERTIES.iter().filter(|def| !["normal_scale", "coat_normal_scale", "height", "height_scale"].contains(&def.name)) {
             let (a, b) = (expected.value(def.id), found.value(def.id));
@@ -424,7 +429,7 @@ fn what_asm_has_no_place_for_goes_back_while_its_neighbours_stay() {
         <input name=\"geometry_thin_walled\" type=\"boolean\" value=\"true\" /></open_pbr_surface>
         <surfacematerial name=\"pearl\" type=\"material\"><input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"s\" /></surfacematerial></materialx>";
     let mut material = one(source).material;
-    let written = text(&material, MODELS[0]);
+    let written = text(&material, SURFACES[0].model);
     for input in [
         "name=\"thin_film_weight\" type=\"float\" value=\"0.75\"",
         "name=\"geometry_thin_walled\" type=\"boolean\" value=\"true\"",
@@ -434,10 +439,10 @@ fn what_asm_has_no_place_for_goes_back_while_its_neighbours_stay() {
     }
     let found = one(&written);
     assert_eq!((&found.material, &found.notes), (&material, &Vec::new()));
-    assert!(!text(&material, MODELS[1]).contains("thin_film_weight\" type"), "another surface has no such input");
+    assert!(!text(&material, SURFACES[1].model).contains("thin_film_weight\" type"), "another surface has no such input");
     material.set(Property::specular_level, Value::Float(0.1));
     material.set(Property::coat_roughness, Value::Float(0.2));
-    let written = text(&material, MODELS[0]);
+    let written = text(&material, SURFACES[0].model);
     assert!(
         !written.contains("thin_film_weight\" type") && written.contains("name=\"coat_darkening\" type=\"float\" value=\"0\"")
     );
@@ -453,7 +458,7 @@ fn textured_properties_of_every_kind_come_back() {
         material.slot_mut(def.id).texture = Some(texture);
         material.slot_mut(def.id).value = Some(def.default);
     }
-    for model in MODELS {
+    for model in surfaces() {
         let found = one(&text(&material, model));
         assert_eq!((&found.material, &found.notes), (&material, &Vec::new()), "{}", model.name);
     }

@@ -1,7 +1,9 @@
 //! Which images a document uses as they are, and which have to be computed.
 
-use burnish_material::exchange::gltf::{Facts, Job, Options, Texel, Written};
+use burnish_material::exchange::gltf::{Facts, Options, Written};
 use burnish_material::exchange::model::Context;
+use burnish_material::exchange::models::gltf::MODEL;
+use burnish_material::exchange::plan::{Job, Texel};
 use burnish_material::{Channel, ColorSpace, Material, Property, TextureRef, Value, Wrap};
 use serde_json::{Value as Json, json};
 
@@ -34,7 +36,7 @@ fn texel(job: &Job, material: &Material, values: &[(Property, Value)]) -> [f64; 
     for (property, value) in values {
         inputs.set(*property, *value);
     }
-    job.texel(&inputs, &Context::of(material))
+    job.texel(&MODEL, &inputs, &Context::of(material))
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn check_round_trip(material: &Material, mesh: Option<&Mesh>) {
     }
     for job in &written.plan.jobs {
         for material in [&least(), &most(), material] {
-            let texel = job.texel(&material.inputs(), &Context::of(material));
+            let texel = job.texel(&MODEL, &material.inputs(), &Context::of(material));
             assert!(texel.iter().all(|x| (0.0..=1.0).contains(x)), "{job:?}");
         }
     }

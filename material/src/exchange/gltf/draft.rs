@@ -7,6 +7,7 @@ use super::uri;
 use super::write::{Facts, Options, Part};
 use crate::exchange::field::{Field, FieldDef};
 use crate::exchange::models::gltf::MODEL;
+use crate::exchange::plan::{Job, Texel};
 use crate::properties::{Inputs, Property};
 use crate::slot::{Channel, ColorSpace, TextureRef};
 use crate::value::{Kind, Value};

@@ -10,7 +10,7 @@ use super::super::plan::Job;
 use super::copy;
 use super::numbers::{double, quoted};
 use crate::material::Material;
-use crate::properties::{PROPERTIES, Property};
+use crate::properties::PROPERTIES;
 use crate::slot::TextureRef;
 use graph::Graph;
 pub use mesh::MeshArrays;
