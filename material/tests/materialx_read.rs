@@ -94,7 +94,7 @@ fn settings_of_images_are_read() {
         [IMAGE[0], ("texcoord", "vector2", "@p"), ("uaddressmode", "string", "mirror"), ("vaddressmode", "string", "mirror")];
     let found = color(&(uv.clone() + &node("place2d", "p", "vector2", &place) + &node("image", "o", "color3", &image)));
     let bound = texture(&found, Property::base_color);
-    assert_eq!((bound.uv_scale, bound.uv_offset, bound.uv_rotation, bound.wrap), ([2.0, 4.0], [0.1, 0.2], 90.0, Wrap::Mirror));
+    assert_eq!((bound.uv_scale, bound.uv_offset, bound.uv_rotation, bound.wrap), ([2.0, 4.0], [-3.9, 0.8], 90.0, Wrap::Mirror));
     assert_eq!(bound.color_space, ColorSpace::Linear);
 
     let tiled = [IMAGE[0], ("uvtiling", "vector2", "3, 2"), ("uvoffset", "vector2", "0.5, 0")];

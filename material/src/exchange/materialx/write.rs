@@ -4,7 +4,6 @@ use std::collections::HashSet;
 
 use super::definition::{self, NODE, type_of, value_text};
 use super::native_copy;
-use super::plan::largest;
 use super::textures::{TextureGraph, writable};
 use super::xml_write::Xml;
 use super::{foreign, numbers};
@@ -13,6 +12,7 @@ use crate::exchange::loss::Row;
 use crate::exchange::model::{Context, Notes, ShadingModel};
 use crate::exchange::models::open_pbr;
 use crate::exchange::plan::Job;
+use crate::exchange::plan::largest;
 use crate::file::ASM_VERSION;
 use crate::material::Material;
 use crate::slot::{ColorSpace, TextureRef};
