@@ -103,7 +103,7 @@ fn settings_of_images_are_read() {
             .replace("value=\"tex/a.png\"", "value=\"tex/a.png\" colorspace=\"srgb_texture\""),
     );
     let bound = texture(&found, Property::base_color);
-    assert_eq!((bound.uv_scale, bound.uv_offset, bound.color_space), ([3.0, 2.0], [-0.5, 0.0], ColorSpace::Srgb));
+    assert_eq!((bound.uv_scale, bound.uv_offset, bound.color_space), ([3.0, 2.0], [-0.5, -1.0], ColorSpace::Srgb));
 
     let found =
         color(&(uv + &node("place2d", "p", "vector2", &[("scale", "vector2", "0, 1")]) + &node("image", "o", "color3", &image)));

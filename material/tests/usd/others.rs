@@ -96,7 +96,7 @@ fn preview_surfaces_of_others_are_understood() {
     let placed =
         "token inputs:wrapS = \"clamp\"; token inputs:wrapT = \"clamp\"; float2 inputs:st.connect = </M/T.outputs:result>";
     let transform = "def Shader \"T\" { uniform token info:id = \"UsdTransform2d\"; float inputs:rotation = 30; \
-                     float2 inputs:scale = (2, 3); float2 inputs:translation = (2.1, -2.6641016); float2 outputs:result }";
+                     float2 inputs:scale = (2, 3); float2 inputs:translation = (0.1, 0.2); float2 outputs:result }";
     let surface = "uniform token info:id = \"UsdPreviewSurface\"; color3f inputs:diffuseColor = (0.2, 0.4, 0.6); float inputs:clearcoat = 1; \
                    normal3f inputs:normal.connect = </M/N.outputs:rgb>; color3f inputs:emissiveColor.connect = </M/E.outputs:rgb>; \
                    float inputs:metallic.connect = </M/E.outputs:b>; float inputs:fancy = 0.5";
@@ -172,7 +172,7 @@ fn the_networks_hold_the_published_numbers() {
     for line in [
         "float inputs:rotation = 30",
         "float2 inputs:scale = (2, 4)",
-        "float2 inputs:translation = (0.1, 0.2)",
+        "float2 inputs:translation = (2.1, -2.6641016)",
         "float inputs:rotate = -30",
         "float2 inputs:scale = (0.5, 0.25)",
         "float2 inputs:offset = (-2.1, 2.6641016)",
