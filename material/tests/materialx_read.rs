@@ -134,7 +134,7 @@ fn settings_of_images_are_read() {
                   <input name=\"alpha_mode\" type=\"integer\" value=\"2\" />";
     let found = one(&document("gltf_pbr", "", &before, inputs));
     let bound = texture(&found, Property::base_color);
-    assert_eq!((bound.scale, bound.uv_scale, bound.uv_offset), ([0.5, 1.0, 1.0], [2.0, 2.0], [0.0, -1.0]));
+    assert_eq!((bound.scale, bound.uv_scale, bound.uv_offset), ([0.5, 1.0, 1.0], [2.0, 2.0], [0.0, 0.0]));
     assert_eq!(texture(&found, Property::opacity).scale[0], 0.5);
     assert_eq!(found.material.float(Property::metallic), 1.0, "glTF's default");
 }
