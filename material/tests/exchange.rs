@@ -127,7 +127,18 @@ fn what_the_mapping_calls_exact_is_found_exact() {
             "base_color roughness metallic opacity anisotropy anisotropy_rotation emission emission_color specular_ior dispersion scatter \
               coat coat_color coat_roughness coat_ior coat_specular_level volume_thickness_scale",
         ),
-        ("usd_preview_surface", "base_color roughness metallic specular_ior coat coat_roughness ambient_occlusion"),
+        ("usd_preview_surface", "base_color roughness metallic normal coat coat_roughness ambient_occlusion"),
+        (
+            "filament",
+            "roughness metallic opacity specular_level anisotropy anisotropy_rotation specular_ior coat coat_roughness \
+             ambient_occlusion volume_thickness normal coat_normal",
+        ),
+        (
+            "dassault_enterprise_pbr",
+            "roughness metallic opacity specular_level anisotropy anisotropy_rotation emission emission_color translucency \
+             specular_ior dispersion scatter coat coat_roughness normal coat_normal",
+        ),
+        ("specular_glossiness", "roughness opacity normal height ambient_occlusion"),
     ];
     let mut material = Material::named("off");
     for (property, value) in [

@@ -4,17 +4,16 @@ mod common;
 #[path = "common/written.rs"]
 mod written;
 
+use burnish_material::exchange::ShadingModel;
 use burnish_material::exchange::loss::Fate;
-use burnish_material::exchange::materialx::{read, write};
-use burnish_material::exchange::{MODELS, ShadingModel};
+use burnish_material::exchange::materialx::{SURFACES, read, write};
 use burnish_material::{Channel, ColorSpace, Kind, Material, PROPERTIES, Property, Provenance, TextureRef, Value, Vary, Wrap};
 use proptest::prelude::*;
 use written::{one, options, text, without_native_copy};
 
-/// The models that are nodes of MaterialX.
+/// The models of MaterialX's surfaces that are written; others are read only.
 fn surfaces() -> impl Iterator<Item = &'static ShadingModel> {
-    let nodes = ["open_pbr_surface", "standard_surface", "disney_principled"];
-    nodes.into_iter().filter_map(ShadingModel::named)
+    SURFACES.iter().map(|surface| surface.model).filter(|model| ShadingModel::named(model.name).is_some())
 }
 
 /// A material with every property at what `f` makes of its range.
@@ -120,7 +119,7 @@ proptest! {
             let mut material = Material::named("a");
             let texture = TextureRef { channel: if texture.channel == Channel::Rgb { channel } else { texture.channel }, ..texture.clone() };
             material.slot_mut(property).texture = Some(texture.clone());
-            let found = one(&without_native_copy(&text(&material, MODELS[0])));
+            let found = one(&without_native_copy(&text(&material, SURFACES[0].model)));
             let back = found.material.slot(property).texture.clone().expect("an image");
             prop_assert_eq!((&back.path, back.channel, back.wrap), (&texture.path, texture.channel, texture.wrap));
             let count = if property == Property::coat { 1 } else { 3 };
@@ -172,7 +171,7 @@ fn edited(text: &str, tag: &str, input: &str, value: &str) -> String {
 #[test]
 fn an_edited_surface_changes_its_properties_alone() {
     let material = at(|low, high| low + 0.371 * (high - low), false);
-    let (model, written) = (MODELS[0], text(&material, MODELS[0]));
+    let (model, written) = (SURFACES[0].model, text(&material, SURFACES[0].model));
     for (input, value, property, expected) in [
         ("base_color", "0.1, 0.2, 0.3", Property::base_color, Value::Color([0.1, 0.2, 0.3])),
         ("specular_ior", "1.9", Property::specular_ior, Value::Float(1.9)),
@@ -203,7 +202,7 @@ fn an_edited_surface_changes_its_properties_alone() {
 fn a_copy_that_cannot_be_read_leaves_its_place_to_the_surface() {
     let mut material = Material::named("a");
     material.set(Property::roughness, Value::Float(0.7)).set(Property::metallic, Value::Float(0.25));
-    let written = text(&material, MODELS[0]);
+    let written = text(&material, SURFACES[0].model);
     for value in ["smooth", "nan", "1e400", "0.1, 0.2"] {
         let found = one(&edited(&written, "adobe_standard_material", "roughness", value));
         assert_eq!(found.material.float(Property::roughness), 0.7, "{value}");
@@ -228,7 +227,7 @@ fn what_asm_has_no_place_for_goes_back_while_its_neighbours_stay() {
         <input name=\"geometry_thin_walled\" type=\"boolean\" value=\"true\" /></open_pbr_surface>
         <surfacematerial name=\"pearl\" type=\"material\"><input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"s\" /></surfacematerial></materialx>";
     let mut material = one(source).material;
-    let written = text(&material, MODELS[0]);
+    let written = text(&material, SURFACES[0].model);
     for input in [
         "name=\"thin_film_weight\" type=\"float\" value=\"0.75\"",
         "name=\"geometry_thin_walled\" type=\"boolean\" value=\"true\"",
@@ -238,10 +237,10 @@ fn what_asm_has_no_place_for_goes_back_while_its_neighbours_stay() {
     }
     let found = one(&written);
     assert_eq!((&found.material, &found.notes), (&material, &Vec::new()));
-    assert!(!text(&material, MODELS[1]).contains("thin_film_weight\" type"), "another surface has no such input");
+    assert!(!text(&material, SURFACES[1].model).contains("thin_film_weight\" type"), "another surface has no such input");
     material.set(Property::specular_level, Value::Float(0.1));
     material.set(Property::coat_roughness, Value::Float(0.2));
-    let written = text(&material, MODELS[0]);
+    let written = text(&material, SURFACES[0].model);
     assert!(
         !written.contains("thin_film_weight\" type") && written.contains("name=\"coat_darkening\" type=\"float\" value=\"0\"")
     );

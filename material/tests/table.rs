@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use burnish_material::exchange::page::interchange_page;
 use burnish_material::{
     ASM_MATERIAL_WGSL, Group, Kind, LimitKind, Material, PROPERTIES, PROPERTY_COUNT, Property, PropertyDef, Value, Vary,
     inputs_wgsl, reference_page,
@@ -172,6 +173,8 @@ fn generated_files_are_current() {
     expect_current("src/asm_material.gen.wgsl", ASM_MATERIAL_WGSL, &inputs_wgsl());
     let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/PROPERTIES.md")).unwrap_or_default();
     expect_current("PROPERTIES.md", &page, &reference_page());
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/INTERCHANGE.md")).unwrap_or_default();
+    expect_current("INTERCHANGE.md", &page, &interchange_page());
 }
 
 #[test]

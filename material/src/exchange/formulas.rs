@@ -16,6 +16,20 @@ pub fn ior_of_f0(f0: f64) -> f64 {
     (1.0 + e) / (1.0 - e)
 }
 
+/// Luminance, in nits, of an emission of 1 (5.4). Adobe's convention.
+pub const NITS: f64 = 1000.0;
+
+/// Index of refraction, specular level and edge colour of a dielectric that reflects `f0` at normal incidence, 0 to 1 by channel. What a
+/// common dielectric of index 1.5 reaches, 0.08, becomes its level; what reflects more, up to 0.98, an index.
+pub fn dielectric_of_f0(f0: [f64; 3]) -> (f64, f64, [f64; 3]) {
+    const MOST_OF_LEVELS: f64 = 0.08;
+    let (most, edge) = split_amount(f0);
+    match most.min(0.98) {
+        most if most <= MOST_OF_LEVELS => (1.5, most.max(0.0) / MOST_OF_LEVELS, edge),
+        most => (ior_of_f0(most), 0.5, edge),
+    }
+}
+
 /// A specular level made part of the index of refraction (5.2): what a model without levels needs to reflect as much.
 pub fn fold_level(ior: f64, level: f64) -> f64 {
     if level == 0.5 {
@@ -58,6 +72,25 @@ pub fn roughness_of_aspect(roughness: f64, anisotropy: f64) -> (f64, f64) {
     let aspect = (1.0 - anisotropy).sqrt();
     let (roughness, anisotropy) = roughness_anisotropy(roughness * roughness / aspect, roughness * roughness * aspect);
     (roughness.min(1.0), anisotropy)
+}
+
+/// Roughness and anisotropy of models that widen the lobe along the tangent as much as they narrow it across, `(1 + a) R²` and `(1 - a) R²`
+/// (Kulla and Conty 2017), with the widths of ASM's lobe.
+pub fn balanced_roughness(roughness: f64, anisotropy: f64) -> (f64, f64) {
+    let (along, across) = alphas(roughness, anisotropy);
+    if anisotropy == 0.0 || along <= 0.0 {
+        return (roughness, 0.0);
+    }
+    ((0.5 * (along + across)).sqrt(), (along - across) / (along + across))
+}
+
+/// ASM's roughness and anisotropy from those. Both 0 to 1.
+pub fn roughness_of_balanced(roughness: f64, anisotropy: f64) -> (f64, f64) {
+    if anisotropy == 0.0 {
+        return (roughness, 0.0);
+    }
+    let alpha = roughness * roughness;
+    roughness_anisotropy((alpha * (1.0 + anisotropy)).min(1.0), alpha * (1.0 - anisotropy))
 }
 
 /// Single-scattering albedo that gives a thick body this colour (5.6): the exact inverse of [`scatter_color_of`], with all its digits.

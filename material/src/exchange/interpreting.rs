@@ -19,6 +19,21 @@ pub fn unit(name: &str, x: f64, notes: &mut Notes) -> f64 {
     inside
 }
 
+/// Emission and its colour from their product. A colour within 0 to 1 stays as it is, so that an image of it does.
+pub fn emission(product: [f64; 3]) -> (f64, [f64; 3]) {
+    let product = product.map(|c| c.max(0.0));
+    match f::largest(product) {
+        most if most > 1.0 => (most, product.map(|c| c / most)),
+        most if most > 0.0 => (1.0, product),
+        _ => (0.0, [1.0; 3]),
+    }
+}
+
+/// Sheen and its colour from their product, 0 to 1.
+pub fn sheen(name: &str, product: [f64; 3], notes: &mut Notes) -> (f64, [f64; 3]) {
+    f::split_amount(product.map(|c| unit(name, c, notes)))
+}
+
 /// Turns brought into [0, 1]; a full one is kept.
 pub fn turn(turns: f64) -> f64 {
     if (0.0..=1.0).contains(&turns) { turns } else { turns.rem_euclid(1.0) }

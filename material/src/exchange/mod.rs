@@ -7,6 +7,7 @@
 //! Text in, text out: files, images and meshes are the caller's.
 
 pub mod field;
+pub mod filament;
 pub mod formulas;
 pub mod gltf;
 pub mod interpreting;
@@ -17,8 +18,10 @@ pub mod merge;
 pub mod model;
 pub mod models;
 pub mod native;
+pub mod page;
 pub mod plan;
 pub mod texture;
+pub mod texture_set;
 pub mod usd;
 pub mod uv;
 

@@ -51,6 +51,9 @@ pub const MODELS: &[&ShadingModel] = &[
     &models::gltf::MODEL,
     &models::usd_preview::MODEL,
     &models::disney_principled::MODEL,
+    &models::filament::MODEL,
+    &models::dassault::MODEL,
+    &models::specular_glossiness::MODEL,
 ];
 
 /// What a material becomes in a shading model.

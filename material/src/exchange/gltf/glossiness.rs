@@ -7,6 +7,7 @@ use serde_json::Value as Json;
 use super::json::at;
 use super::material::Reader;
 use super::slots::{ALPHA, BASE_COLOR, IOR, METALLIC, ROUGHNESS, SPECULAR_COLOR};
+use crate::exchange::models::specular_glossiness::{SpecularGlossiness, glossiness};
 use crate::exchange::native::read_value;
 use crate::slot::{Channel, ColorSpace, TextureRef};
 use crate::value::Value;
@@ -21,22 +22,24 @@ pub(super) fn read(reader: &mut Reader) {
     }
     reader.say(BASE_COLOR, Value::Color([1.0; 3]));
     reader.base_color(&format!("{NAME}.diffuseFactor"));
-    let mut number = |key: &str, default: Value| {
-        let name = format!("{NAME}.{key}");
+    let mut number = |parameter: &str| {
+        let (key, name) = (format!("{parameter}Factor"), format!("{NAME}.{parameter}Factor"));
+        let default =
+            SpecularGlossiness::FIELDS.iter().find(|def| def.name == parameter).map_or(Value::Float(1.0), |def| def.default);
         let kind = default.kind();
-        json.get(key).map_or(default, |json| {
+        json.get(&key).map_or(default, |json| {
             read_value(kind, json).unwrap_or_else(|| {
                 reader.wrong(&name, kind.expectation());
                 default
             })
         })
     };
-    let specular = number("specularFactor", Value::Color([1.0; 3]));
-    let gloss = number("glossinessFactor", Value::Float(1.0)).numbers().first().copied().unwrap_or(1.0);
+    let specular = number("specular");
+    let gloss = number("glossiness").numbers().first().copied().unwrap_or(1.0);
     reader.say(METALLIC, Value::Float(0.0));
     reader.say(IOR, Value::Float(0.0));
     reader.say(SPECULAR_COLOR, specular);
-    reader.say(ROUGHNESS, Value::Float(1.0 - gloss));
+    reader.say(ROUGHNESS, Value::Float(glossiness(gloss)));
     if let Some(image) = reader.image(&format!("{NAME}.diffuseTexture")) {
         let (color, alpha) = (reader.value(BASE_COLOR), reader.value(ALPHA));
         let scale = |value: Value| match value {
@@ -49,7 +52,7 @@ pub(super) fn read(reader: &mut Reader) {
     }
     if let Some(image) = reader.image(&format!("{NAME}.specularGlossinessTexture")) {
         let rough = TextureRef { channel: Channel::A, scale: [-gloss; 3], bias: [1.0; 3], ..image };
-        reader.bind(ROUGHNESS, Value::Float(1.0 - gloss), rough);
+        reader.bind(ROUGHNESS, Value::Float(glossiness(gloss)), rough);
         reader
             .notes
             .push(format!("{}: the specular colours in the image of {NAME} are not read; its factor holds", reader.place));

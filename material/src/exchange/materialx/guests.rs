@@ -1,7 +1,7 @@
 //! Surfaces of MaterialX that come from other formats: glTF's and USD's. They are read here; their own formats write them.
 
 use super::super::formulas as f;
-use crate::exchange::interpreting::{default_inputs, turn, unit};
+use crate::exchange::interpreting::{default_inputs, emission, turn, unit};
 use crate::exchange::model::{Context, Notes, ShadingModel};
 use crate::properties::Inputs;
 
@@ -162,10 +162,8 @@ fn interpret_preview(p: &PreviewSurface, notes: &mut Notes) -> Inputs<f64> {
     if p.use_specular_workflow == 0.0 {
         i.metallic = unit("metallic", p.metallic, notes);
     } else {
-        // What reflects up to 8 percent is a dielectric of 1.5 with a level, everything above has another index of refraction.
-        let (f0, edge) = f::split_amount(p.specular_color.map(|c| unit("specularColor", c, notes)));
-        (i.specular_edge_color, i.specular_ior) = (edge, if f0 <= 0.08 { 1.5 } else { f::ior_of_f0(f0.min(0.98)) });
-        i.specular_level = if f0 <= 0.08 { f0 / 0.08 } else { 0.5 };
+        let f0 = p.specular_color.map(|c| unit("specularColor", c, notes));
+        (i.specular_ior, i.specular_level, i.specular_edge_color) = f::dielectric_of_f0(f0);
     }
     i.coat = unit("clearcoat", p.clearcoat, notes);
     i.coat_roughness = unit("clearcoatRoughness", p.clearcoat_roughness, notes);
@@ -177,11 +175,7 @@ fn interpret_preview(p: &PreviewSurface, notes: &mut Notes) -> Inputs<f64> {
         i.opacity = if i.opacity >= p.opacity_threshold { 1.0 } else { 0.0 };
         notes.push(MASK.to_owned());
     }
-    let brightest = f::largest(p.emissive_color);
-    if brightest > 0.0 {
-        i.emission = brightest.max(1.0);
-        i.emission_color = p.emissive_color.map(|c| c / i.emission);
-    }
+    (i.emission, i.emission_color) = emission(p.emissive_color);
     (i.normal, i.normal_scale) = (p.normal, p.normal_scale);
     i.ambient_occlusion = unit("occlusion", p.occlusion, notes);
     i.height = p.displacement + i.height_level;

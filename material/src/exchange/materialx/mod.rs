@@ -17,7 +17,6 @@ mod image;
 mod native_copy;
 mod nodes;
 mod numbers;
-mod plan;
 mod read;
 mod surfaces;
 mod textures;

@@ -56,3 +56,58 @@ pub fn aspect(i: &Inputs<f64>) -> (Fate, &'static str) {
         _ => (Fate::Approximated, "the lobe is as wide as it can be; how much further was asked for is lost"),
     }
 }
+
+/// Emission and its colour as a product.
+pub fn emission(i: &Inputs<f64>) -> (Fate, &'static str) {
+    match i.emission {
+        0.0 if i.emission_color != [1.0; 3] => (Fate::Approximated, "without emission the colour is lost"),
+        _ => (Fate::Remapped, "as a product"),
+    }
+}
+
+/// Sheen and its colour as a product, of another lobe.
+pub fn sheen_product(i: &Inputs<f64>) -> (Fate, &'static str) {
+    match i.sheen {
+        0.0 if i.sheen_color != [1.0; 3] => (Fate::Approximated, "without sheen the colour is lost"),
+        0.0 => (Fate::Remapped, ""),
+        _ => (Fate::Approximated, "as a product, of another lobe"),
+    }
+}
+
+/// Roughness of the sheen, as the same number of another lobe.
+pub fn sheen_roughness(i: &Inputs<f64>) -> (Fate, &'static str) {
+    if i.sheen == 0.0 { (Fate::Exact, "") } else { (Fate::Approximated, "another lobe with the same number") }
+}
+
+/// The two widths of the highlight as another split of them, which knows no limit but that of ASM's lobe.
+pub fn widths(i: &Inputs<f64>) -> (Fate, &'static str) {
+    match i.anisotropy {
+        0.0 => (Fate::Exact, ""),
+        a if i.roughness * i.roughness + a.powi(4) <= 1.0 => (Fate::Remapped, "another split of the same two widths"),
+        _ => (Fate::Approximated, "the lobe is as wide as it can be; how much further was asked for is lost"),
+    }
+}
+
+/// The index of a coat that always has 1.5.
+pub fn fixed_coat_ior(i: &Inputs<f64>) -> (Fate, &'static str) {
+    match i.coat {
+        0.0 => (Fate::Dropped, "the format has nothing that means it"),
+        _ => (Fate::Approximated, "the coat there has one of 1.5"),
+    }
+}
+
+/// A base colour that tints what goes through the body as well.
+pub fn tinting_base(i: &Inputs<f64>) -> (Fate, &'static str) {
+    match i.translucency == 0.0 || i.metallic == 1.0 {
+        true => (Fate::Exact, ""),
+        false => (Fate::Approximated, "mixed with the colour of transmitted light, which is tinted with it there"),
+    }
+}
+
+/// Height as the displacement itself, signed.
+pub fn displacement(i: &Inputs<f64>) -> (Fate, &'static str) {
+    match i.height_level == 0.5 && i.height_scale == 1.0 {
+        true => (Fate::Remapped, ""),
+        false => (Fate::Approximated, "only the displacement itself is kept"),
+    }
+}

@@ -129,7 +129,7 @@ fn strength(roughness: f64, anisotropy: f64) -> f64 {
 }
 
 /// Colour that is left after a distance, and the distance in metres: absorption, and what scattering takes out of a ray.
-fn attenuation(i: &Inputs<f64>, context: &Context) -> ([f64; 3], f64) {
+pub(super) fn attenuation(i: &Inputs<f64>, context: &Context) -> ([f64; 3], f64) {
     let meters = |distance: f64| (distance * context.meters_per_unit).min(f64::from(f32::MAX));
     if !i.scatter {
         return if i.absorption_distance > 0.0 { (i.absorption_color, meters(i.absorption_distance)) } else { ([1.0; 3], 0.0) };
@@ -185,9 +185,7 @@ fn reflection(p: &Gltf, i: &mut Inputs<f64>, notes: &mut Notes) {
     if p.ior == 0.0 {
         // The reflection is given, not the index: as much of it as possible becomes an index.
         let f0 = color.map(|c| (specular * c).min(1.0));
-        let most = f::largest(f0).min(0.98);
-        i.specular_edge_color = f::split_amount(f0).1;
-        (i.specular_ior, i.specular_level) = if most <= 0.08 { (1.5, most / 0.08) } else { (f::ior_of_f0(most), 0.5) };
+        (i.specular_ior, i.specular_level, i.specular_edge_color) = f::dielectric_of_f0(f0);
         return;
     }
     i.specular_ior = at_least("ior", p.ior, 1.0, notes);

@@ -10,9 +10,6 @@ use super::fates;
 use crate::exchange::interpreting::{default_inputs, distances, turn, unit};
 use crate::properties::{Inputs, Property};
 
-/// Luminance, in nits, of an emission of 1. Adobe's convention.
-const NITS: f64 = 1000.0;
-
 crate::shading_fields! {
     /// Parameters of `open_pbr_surface`.
     OpenPbr {
@@ -99,7 +96,7 @@ pub fn translate(i: &Inputs<f64>, _: &Context) -> OpenPbr {
         fuzz_weight: i.sheen,
         fuzz_color: i.sheen_color,
         fuzz_roughness: i.sheen_roughness,
-        emission_luminance: NITS * i.emission,
+        emission_luminance: f::NITS * i.emission,
         emission_color: i.emission_color,
         geometry_opacity: i.opacity,
         geometry_normal: i.normal,
@@ -158,7 +155,7 @@ pub fn interpret(p: &OpenPbr, _: &Context, notes: &mut Notes) -> Inputs<f64> {
     i.sheen = unit("fuzz_weight", p.fuzz_weight, notes);
     i.sheen_color = p.fuzz_color.map(|c| unit("fuzz_color", c, notes));
     i.sheen_roughness = unit("fuzz_roughness", p.fuzz_roughness, notes);
-    i.emission = (p.emission_luminance / NITS).max(0.0);
+    i.emission = (p.emission_luminance / f::NITS).max(0.0);
     i.emission_color = p.emission_color;
     i.opacity = unit("geometry_opacity", p.geometry_opacity, notes);
     (i.normal, i.normal_scale) = (p.geometry_normal, p.normal_scale);

@@ -6,11 +6,10 @@
 use super::super::formulas as f;
 use super::super::loss::{Cell, Fate};
 use super::super::model::{Context, Notes, ShadingModel};
-use crate::exchange::interpreting::{default_inputs, unit};
+use super::fates;
+use crate::exchange::interpreting::{default_inputs, emission, unit};
 use crate::properties::{Inputs, Property};
 
-/// Reflectance up to which a specular colour stays a level of a common dielectric (index of refraction 1.5), which reflects half of it.
-const DIELECTRIC_F0: f64 = 0.08;
 /// Index of refraction of the coat.
 const COAT_IOR: f64 = 1.5;
 
@@ -71,26 +70,13 @@ pub fn translate(i: &Inputs<f64>, _: &Context) -> UsdPreview {
 pub fn interpret(p: &UsdPreview, _: &Context, notes: &mut Notes) -> Inputs<f64> {
     let mut i = default_inputs();
     i.base_color = p.diffuse_color.map(|c| unit("diffuseColor", c, notes));
-    let emissive = p.emissive_color.map(|c| c.max(0.0));
-    // A colour within 0 to 1 stays as it is, so that an image of it does.
-    i.emission = match f::largest(emissive) {
-        most if most > 1.0 => most,
-        most if most > 0.0 => 1.0,
-        _ => 0.0,
-    };
-    i.emission_color = if i.emission > 0.0 { emissive.map(|c| c / i.emission) } else { [1.0; 3] };
+    (i.emission, i.emission_color) = emission(p.emissive_color);
     i.specular_ior = p.ior.max(1.0);
     i.metallic = unit("metallic", p.metallic, notes);
     if p.use_specular {
         i.metallic = 0.0;
         let f0 = p.specular_color.map(|c| unit("specularColor", c, notes));
-        let (most, edge) = f::split_amount(f0);
-        i.specular_edge_color = edge;
-        if most <= DIELECTRIC_F0 {
-            (i.specular_ior, i.specular_level) = (1.5, most / DIELECTRIC_F0);
-        } else {
-            (i.specular_ior, i.specular_level) = (f::ior_of_f0(most.min(0.98)), 0.5);
-        }
+        (i.specular_ior, i.specular_level, i.specular_edge_color) = f::dielectric_of_f0(f0);
     }
     i.roughness = unit("roughness", p.roughness, notes);
     i.coat = unit("clearcoat", p.clearcoat, notes);
@@ -125,13 +111,13 @@ const CELLS: &[Cell] = &[
     Cell::exact(Property::normal, "normal"),
     Cell::dropped(Property::normal_scale),
     Cell::dropped(Property::combine_normal_and_height),
-    Cell { property: Property::height, target: "displacement", fate: height },
-    Cell { property: Property::height_scale, target: "displacement", fate: height },
-    Cell { property: Property::height_level, target: "displacement", fate: height },
+    Cell { property: Property::height, target: "displacement", fate: fates::displacement },
+    Cell { property: Property::height_scale, target: "displacement", fate: fates::displacement },
+    Cell { property: Property::height_level, target: "displacement", fate: fates::displacement },
     Cell::dropped(Property::anisotropy),
     Cell::dropped(Property::anisotropy_rotation),
-    Cell { property: Property::emission, target: "emissiveColor", fate: emission },
-    Cell { property: Property::emission_color, target: "emissiveColor", fate: emission },
+    Cell { property: Property::emission, target: "emissiveColor", fate: fates::emission },
+    Cell { property: Property::emission_color, target: "emissiveColor", fate: fates::emission },
     Cell::dropped(Property::sheen),
     Cell::dropped(Property::sheen_color),
     Cell::dropped(Property::sheen_roughness),
@@ -156,14 +142,7 @@ const CELLS: &[Cell] = &[
     Cell::exact(Property::coat, "clearcoat"),
     Cell::dropped(Property::coat_color),
     Cell::exact(Property::coat_roughness, "clearcoatRoughness"),
-    Cell {
-        property: Property::coat_ior,
-        target: "clearcoat",
-        fate: |i| match i.coat {
-            0.0 => (Fate::Dropped, "the format has nothing that means it"),
-            _ => (Fate::Approximated, "the coat there has one of 1.5"),
-        },
-    },
+    Cell { property: Property::coat_ior, target: "clearcoat", fate: fates::fixed_coat_ior },
     Cell::dropped(Property::coat_specular_level),
     Cell::dropped(Property::coat_normal),
     Cell::dropped(Property::coat_normal_scale),
@@ -181,19 +160,5 @@ fn level(i: &Inputs<f64>) -> (Fate, &'static str) {
         (Fate::Exact, "")
     } else {
         (Fate::Approximated, "the level became part of the index of refraction")
-    }
-}
-
-fn height(i: &Inputs<f64>) -> (Fate, &'static str) {
-    match i.height_level == 0.5 && i.height_scale == 1.0 {
-        true => (Fate::Remapped, ""),
-        false => (Fate::Approximated, "only the displacement itself is kept"),
-    }
-}
-
-fn emission(i: &Inputs<f64>) -> (Fate, &'static str) {
-    match i.emission {
-        0.0 if i.emission_color != [1.0; 3] => (Fate::Approximated, "without emission the colour is lost"),
-        _ => (Fate::Remapped, "as a product"),
     }
 }

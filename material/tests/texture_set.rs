@@ -1,0 +1,78 @@
+//! Texture sets: which files a material becomes, and what is in them.
+
+use burnish_material::exchange::model::Context;
+use burnish_material::exchange::texture_set::{Flavour, Options, TextureSet, plan};
+use burnish_material::{Channel, Material, Property, TextureRef, Value};
+
+fn material() -> Material {
+    let mut material = Material::named("Old Wood");
+    let image = |path: &str| Some(TextureRef::new(path));
+    material.slot_mut(Property::base_color).texture = image("maps/wood.JPG");
+    material.slot_mut(Property::normal).texture = image("maps/n.png");
+    material.slot_mut(Property::roughness).texture = Some(TextureRef { channel: Channel::G, ..TextureRef::new("maps/orm.png") });
+    material.slot_mut(Property::height).texture = Some(TextureRef { uv_scale: [2.0; 2], ..TextureRef::new("maps/h.png") });
+    material.set(Property::metallic, Value::Float(0.25));
+    material.set(Property::coat_ior, Value::Float(1.7));
+    material
+}
+
+fn copies(set: &TextureSet) -> Vec<(&str, &str)> {
+    set.copies.iter().map(|copy| (copy.path.as_str(), copy.file.as_str())).collect()
+}
+
+fn files(set: &TextureSet) -> Vec<&str> {
+    set.images.iter().map(|image| image.job.file.as_str()).collect()
+}
+
+#[test]
+fn plain_images_are_copied_and_others_computed() {
+    let set = plan(&material(), Options::default());
+    assert_eq!(set.native_file, "Old_Wood.asm.ron");
+    assert_eq!(copies(&set), [("maps/wood.JPG", "Old_Wood_BaseColor.jpg"), ("maps/n.png", "Old_Wood_Normal.png")]);
+    assert_eq!(files(&set), ["Old_Wood_Roughness.png", "Old_Wood_Height.png"]);
+    assert!(set.images[0].job.is_in_place && !set.images[1].job.is_in_place);
+    assert_eq!(set.notes.len(), 1, "{:?}", set.notes);
+    let texel = {
+        let mut inputs = material().inputs();
+        inputs.roughness = 0.625;
+        set.images[0].job.texel(set.images[0].model, &inputs, &Context::of(&material()))
+    };
+    assert_eq!(texel, [0.625, 0.625, 0.625, 1.0]);
+}
+
+#[test]
+fn uniform_values_become_images_only_when_asked() {
+    let set = plan(&material(), Options { has_uniform: true, ..Options::default() });
+    assert_eq!(files(&set), ["Old_Wood_Roughness.png", "Old_Wood_Metallic.png", "Old_Wood_Height.png"]);
+    let metallic = &set.images[1];
+    assert!(metallic.job.from.is_empty() && !metallic.job.is_srgb);
+    assert_eq!(metallic.job.texel(metallic.model, &material().inputs(), &Context::of(&material()))[0], 0.25);
+}
+
+#[test]
+fn specular_and_glossiness_stand_for_metal_and_roughness() {
+    let mut material = material();
+    let options = Options { flavour: Flavour::SpecularGlossiness, has_uniform: false };
+    let set = plan(&material, options);
+    // Some metal makes the specular colour follow the base colour.
+    assert_eq!(files(&set), ["Old_Wood_Diffuse.png", "Old_Wood_Specular.png", "Old_Wood_Glossiness.png", "Old_Wood_Height.png"]);
+    assert_eq!(copies(&set), [("maps/n.png", "Old_Wood_Normal.png")]);
+    let glossiness = &set.images[2];
+    let mut inputs = material.inputs();
+    inputs.roughness = 0.75;
+    assert_eq!(glossiness.job.texel(glossiness.model, &inputs, &Context::of(&material))[0], 0.25);
+    material.set(Property::metallic, Value::Float(0.0));
+    let set = plan(&material, options);
+    assert_eq!(copies(&set)[0], ("maps/wood.JPG", "Old_Wood_Diffuse.jpg"));
+    assert_eq!(files(&set), ["Old_Wood_Glossiness.png", "Old_Wood_Height.png"]);
+}
+
+#[test]
+fn what_images_cannot_hold_is_told() {
+    let mut material = Material::named("../a/b");
+    material.slot_mut(Property::emission_color).texture = Some(TextureRef { scale: [4.0; 3], ..TextureRef::new("e.png") });
+    let set = plan(&material, Options::default());
+    assert_eq!(set.native_file, "___a_b.asm.ron");
+    assert!(set.notes[0].contains("emissive") && set.notes[0].contains("e.png"), "{:?}", set.notes);
+    assert_eq!(plan(&Material::named(" "), Options::default()).native_file, "Material.asm.ron");
+}
