@@ -144,6 +144,18 @@ impl Window {
         wait(what, || self.picture().filter(|now| difference(&before, now, part) >= least))
     }
 
+    /// Drags until a part of the window has become another: again where a drag fell into frames that were over.
+    pub fn drag_for_change(&self, what: &str, part: Part, least: f64, drag: impl Fn()) {
+        let before = wait("a picture", || self.picture());
+        wait(what, || {
+            drag();
+            (0..20).find_map(|_| {
+                pause();
+                self.picture().filter(|now| difference(&before, now, part) >= least)
+            })
+        });
+    }
+
     pub fn key(&self, keys: &str) {
         act(&format!("key --delay 60 {keys}"));
         pause();

@@ -74,8 +74,8 @@ fn an_artist_tweaks_one_material() {
 
     // 0:30
     let center = (BALL[0] + BALL[2] / 2, BALL[1] + BALL[3] / 2);
-    window.wait_for_change("the view to turn", VIEW, 4.0, || window.drag("", 1, center, (center.0 + 90, center.1 - 20)));
-    window.wait_for_change("the light to turn", LIGHT_ANGLE, 0.5, || window.drag("shift", 3, center, (center.0 + 150, center.1)));
+    window.drag_for_change("the view to turn", VIEW, 4.0, || window.drag("", 1, center, (center.0 + 90, center.1 - 20)));
+    window.drag_for_change("the light to turn", LIGHT_ANGLE, 0.5, || window.drag("shift", 3, center, (center.0 + 150, center.1)));
     shoot("0-30-turned");
     assert!(!window.title().contains('•'), "looking is no change");
 
