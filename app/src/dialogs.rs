@@ -96,9 +96,8 @@ impl Purpose {
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenMaterial | Self::SaveMaterial | Self::OpenLibrary | Self::ChooseVersion(_) | Self::CompareRelease => {
-                ("Material", &["ron"])
-            }
+            Self::OpenMaterial => ("Material", &["ron", "gltf", "glb", "mtlx", "usda", "usdz", "mdl"]),
+            Self::SaveMaterial | Self::OpenLibrary | Self::ChooseVersion(_) | Self::CompareRelease => ("Material", &["ron"]),
             Self::SaveReport => ("Report", &["json", "txt"]),
             Self::SaveNotes => ("Notes", &["md", "txt"]),
             Self::LoadModel => ("Mesh", &["gltf", "glb", "ply"]),
