@@ -7,6 +7,7 @@ mod checking;
 mod comparing;
 mod documents;
 mod drops;
+mod exchanging;
 mod exported;
 mod exporting;
 mod handing_out;
@@ -58,6 +59,7 @@ use checking::CheckWork;
 use comparing::CompareWork;
 use documents::After;
 use egui::Ui;
+use exchanging::Exchanging;
 use exporting::Exporting;
 use keeping::Keeping;
 use library::LibraryWork;
@@ -87,6 +89,7 @@ pub struct App {
     pages: Pages,
     presets: PresetPanel,
     library_work: LibraryWork,
+    exchanging: Exchanging,
     textures: TexturePage,
     check: CheckWork,
     compare: CompareWork,
@@ -173,6 +176,7 @@ impl App {
             pages: Pages::default(),
             presets: PresetPanel::default(),
             library_work: LibraryWork::default(),
+            exchanging: Exchanging::default(),
             textures: TexturePage::default(),
             check: CheckWork::default(),
             compare: CompareWork::default(),

@@ -2,6 +2,7 @@
 //!
 //! A dialog never blocks the window: it is asked, and its answer polled.
 
+use crate::exchange;
 use crate::export::Format;
 use burnish_material::Property;
 use std::collections::VecDeque;
@@ -58,6 +59,8 @@ pub enum Purpose {
     SaveSheet,
     /// Where to make a pack of the library.
     SavePack,
+    /// Where to write the material for other programs.
+    ExportMaterial(exchange::Format),
     /// Where to write a picture that is to be rendered.
     RenderPicture(Format),
     /// Where else to write a picture that was rendered.
@@ -84,6 +87,7 @@ impl Purpose {
             Self::SavePng | Self::SaveExr => "Save picture".into(),
             Self::SaveSheet => "Contact sheet of the library".into(),
             Self::SavePack => "Export pack: a folder that is not there yet".into(),
+            Self::ExportMaterial(format) => format!("Export as {}", format.def().label),
             Self::RenderPicture(_) => "Render picture".into(),
             Self::WriteElsewhere(_) => "Write the picture elsewhere".into(),
             Self::TurntableFolder => "Choose the folder of the turntable".into(),
@@ -92,9 +96,8 @@ impl Purpose {
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenMaterial | Self::SaveMaterial | Self::OpenLibrary | Self::ChooseVersion(_) | Self::CompareRelease => {
-                ("Material", &["ron"])
-            }
+            Self::OpenMaterial => ("Material", &["ron", "gltf", "glb", "mtlx", "usda", "usdz", "mdl"]),
+            Self::SaveMaterial | Self::OpenLibrary | Self::ChooseVersion(_) | Self::CompareRelease => ("Material", &["ron"]),
             Self::SaveReport => ("Report", &["json", "txt"]),
             Self::SaveNotes => ("Notes", &["md", "txt"]),
             Self::LoadModel => ("Mesh", &["gltf", "glb", "ply"]),
@@ -106,6 +109,7 @@ impl Purpose {
             Self::SaveExr | Self::RenderPicture(Format::Exr) | Self::WriteElsewhere(Format::Exr) => ("OpenEXR", &["exr"]),
             Self::SaveSheet => ("Page or picture", &["html", "png"]),
             Self::SavePack => ("Folder", &["*"]),
+            Self::ExportMaterial(format) => (format.def().label, format.def().endings),
         }
     }
 
@@ -117,6 +121,7 @@ impl Purpose {
                 | Self::SaveExr
                 | Self::SaveSheet
                 | Self::SavePack
+                | Self::ExportMaterial(_)
                 | Self::SaveReport
                 | Self::SaveNotes
                 | Self::RenderPicture(_)

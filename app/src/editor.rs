@@ -1,6 +1,6 @@
 //! The document and the view settings: everything the user can change, and the scene they make together.
 
-use crate::files::{self, OpenedMaterial};
+use crate::files::{self, Embedded, OpenedMaterial};
 use crate::picture_job::Place;
 use burnish_assets::{BackdropDef, Environment};
 use burnish_material::{Material, MaterialFile};
@@ -28,6 +28,8 @@ pub struct Document {
     pub material: Material,
     /// Images by the path that the material names.
     pub textures: Arc<TextureSet>,
+    /// Those that lie in no file of their own.
+    embedded: Arc<Embedded>,
     origin: Arc<Origin>,
     /// Whether this document replaced one with unsaved changes that only undo can bring back.
     covers_unsaved: bool,
@@ -38,18 +40,26 @@ impl Document {
     pub fn new(material: Material) -> Self {
         let file = MaterialFile::new(&material);
         // The file's own reading is the reference, so that a fresh document never counts as changed.
-        Self::with_origin(file, None, Arc::default())
+        Self::with_origin(file, None, Arc::default(), Arc::default())
     }
 
     /// A document as opened from a file or made from a preset's text.
     pub fn opened(opened: OpenedMaterial) -> Self {
-        Self::with_origin(opened.file, opened.path, opened.textures)
+        Self::with_origin(opened.file, opened.path, opened.textures, opened.embedded)
     }
 
-    fn with_origin(file: MaterialFile, path: Option<PathBuf>, textures: Arc<TextureSet>) -> Self {
+    fn with_origin(file: MaterialFile, path: Option<PathBuf>, textures: Arc<TextureSet>, embedded: Arc<Embedded>) -> Self {
         let material = file.material().clone();
         let file = Arc::new(file);
-        Self { material, textures, origin: Arc::new(Origin { path, saved: file.clone(), file }), covers_unsaved: false }
+        let origin = Arc::new(Origin { path, saved: file.clone(), file });
+        Self { material, textures, embedded, origin, covers_unsaved: false }
+    }
+
+    /// Images that the material names and that lie in no file of their own, as whole files.
+    pub fn embedded(&self) -> impl Iterator<Item = (&String, &Arc<[u8]>)> {
+        let is_named =
+            |path: &str| self.material.slots().any(|(_, slot)| slot.texture.as_ref().is_some_and(|texture| texture.path == path));
+        self.embedded.iter().filter(move |(path, _)| is_named(path))
     }
 
     /// A document that takes the place of `self` as one step that undo can take back.
@@ -70,7 +80,7 @@ impl Document {
 
     /// A document that was being edited when its program ended: what it held then, over what its file held.
     pub fn recovered(original: MaterialFile, path: Option<PathBuf>, material: Material, textures: Arc<TextureSet>) -> Self {
-        Self { material, ..Self::with_origin(original, path, textures) }
+        Self { material, ..Self::with_origin(original, path, textures, Arc::default()) }
     }
 
     /// The file with its text as opened.

@@ -14,6 +14,7 @@ use crate::picture_job::{self, PictureJob};
 use burnish_assets::{BuiltInTexture, TextureMaker};
 use burnish_material::{MAX_FILE_BYTES, MaterialFile, Warning};
 use burnish_renderer::scene::TextureSet;
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -34,7 +35,12 @@ pub struct OpenedMaterial {
     pub warnings: Vec<String>,
     /// Images by the path that the material names.
     pub textures: Arc<TextureSet>,
+    /// Those that lie in no file of their own, as whole files: saving writes them beside the material.
+    pub embedded: Arc<Embedded>,
 }
+
+/// Images by the path that a material names, as whole files.
+pub type Embedded = BTreeMap<String, Arc<[u8]>>;
 
 /// Whether a path has the ending of a material file; case is ignored.
 pub fn is_material_path(path: &Path) -> bool {
@@ -88,7 +94,7 @@ pub fn open_material(path: &Path) -> Result<OpenedMaterial, FilesError> {
     let mut warnings: Vec<String> = warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
     let (textures, missing) = load_textures(file.material(), path.parent());
     warnings.extend(missing);
-    Ok(OpenedMaterial { path: Some(path.to_path_buf()), file, warnings, textures: Arc::new(textures) })
+    Ok(OpenedMaterial { path: Some(path.to_path_buf()), file, warnings, textures: Arc::new(textures), embedded: Arc::default() })
 }
 
 /// Opens the material that a picture of ours was made from: a new document without a file, since the picture is not to be saved over. Also
@@ -125,5 +131,5 @@ pub fn open_embedded(path: &Path, job: Option<&PictureJob>) -> Result<(OpenedMat
             Err(error) => warnings.push(format!("{}: the value is used instead of the texture: {error}", path.display())),
         }
     }
-    Ok((OpenedMaterial { path: None, file, warnings, textures: Arc::new(textures) }, places))
+    Ok((OpenedMaterial { path: None, file, warnings, textures: Arc::new(textures), embedded: Arc::default() }, places))
 }

@@ -1,5 +1,6 @@
 //! Files and built-in scenes, read and made in the background. The window only collects what is finished.
 
+use crate::exchange::{ExchangeError, open};
 use crate::files::{self, OpenedMaterial};
 use crate::picture_file::embedded_job;
 use crate::texture_set;
@@ -10,6 +11,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+/// Sentences about one file of another format, at most.
+const MAX_WARNINGS: usize = 8;
+
 /// Something to load. Numbers are those of documents, see [`crate::tabs::Tabs`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Job {
@@ -17,6 +21,8 @@ pub enum Job {
     Material(PathBuf),
     /// A picture of ours, whose material is to be opened.
     Picture(PathBuf),
+    /// A file of another format, with its materials and its mesh.
+    Import(PathBuf),
     /// A material file that another program has changed, for the document of this number.
     Reload(u64, PathBuf),
     /// A material file to compare the document of this number with.
@@ -63,6 +69,8 @@ pub struct SetImage {
 pub enum Loaded {
     /// An opened material.
     Material(Box<OpenedMaterial>),
+    /// Materials of a file of another format, and its mesh.
+    Import(Vec<OpenedMaterial>, Option<Box<ModelMeshes>>),
     /// Images for a document.
     Textures(TextureSet),
     /// An image.
@@ -108,6 +116,7 @@ impl Job {
         let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         match self {
             Self::Material(path)
+            | Self::Import(path)
             | Self::Picture(path)
             | Self::Reload(_, path)
             | Self::Compare(_, path)
@@ -133,6 +142,7 @@ impl Job {
                     Loaded::Material(Box::new(opened))
                 })
             }
+            Self::Import(path) => import(path, &mut warnings),
             Self::Picture(path) => embedded_job(path)
                 .map_err(|error| error.to_string())
                 .and_then(|job| files::open_embedded(path, job.as_ref()).map_err(|error| error.to_string()))
@@ -168,6 +178,32 @@ impl Job {
         };
         (result, warnings)
     }
+}
+
+/// The materials of a file, and its mesh. A file with a mesh alone is one as well.
+fn import(path: &Path, warnings: &mut Vec<String>) -> Result<Loaded, String> {
+    let opened = open::open(path);
+    let model = open::open_model(path);
+    let opened = match opened {
+        Ok(opened) => opened,
+        Err(ExchangeError::NoMaterial { .. }) if model.is_some() => Vec::new(),
+        Err(error) => return Err(error.to_string()),
+    };
+    let mut materials: Vec<OpenedMaterial> = opened.into_iter().map(open::Opened::apart).collect();
+    for material in &mut materials {
+        let name = &material.file.material().name;
+        warnings.extend(material.warnings.drain(..).map(|note| format!("{}: {name}: {note}", path.display())));
+    }
+    if warnings.len() > MAX_WARNINGS {
+        let more = warnings.len() - MAX_WARNINGS;
+        warnings.truncate(MAX_WARNINGS);
+        warnings.push(format!("{}: {more} more notes; `burnish convert` prints all of them", path.display()));
+    }
+    let model = model.map(|(model, notes)| {
+        warnings.extend(notes);
+        Box::new(model.into())
+    });
+    Ok(Loaded::Import(materials, model))
 }
 
 fn image(path: &Path) -> Result<Arc<Image>, String> {

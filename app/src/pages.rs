@@ -17,6 +17,8 @@ pub enum Page {
     Rename,
     /// Measured materials to begin with.
     Measured,
+    /// The material in another program's format, and what that costs.
+    Exchange,
     /// What the user prefers.
     Preferences,
     /// Keys and mouse.

@@ -23,6 +23,10 @@ pub enum Ends {
     PictureDiff,
     /// Rendering a picture or a turntable into files.
     Export,
+    /// Drawing what other programs see of the material.
+    Measuring,
+    /// Writing the material for other programs.
+    Exchange,
 }
 
 /// One piece of work.

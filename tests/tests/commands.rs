@@ -130,6 +130,7 @@ fn has_happened(window: &Window, command: Command, before: &Before, folder: &Pat
         Command::SavePng | Command::SaveExr => is_said(window, "The picture was not written"),
         // There is no library here; `library_panel.rs` has one.
         Command::ContactSheet | Command::ExportPack => app.library().is_none(),
+        Command::ExportMaterial => has(window, Role::Button, "Export…"),
         Command::Preferences => has(window, Role::SpinButton, "Size of text, percent"),
         Command::Quit => asks(window, &ViewportCommand::Close),
         Command::Undo => now.step + 1 == before.step,

@@ -141,6 +141,7 @@ impl App {
             Command::SaveExr => self.ask(Purpose::SaveExr, ctx),
             Command::ContactSheet => self.ask(Purpose::SaveSheet, ctx),
             Command::ExportPack => self.ask(Purpose::SavePack, ctx),
+            Command::ExportMaterial => self.open_exchange(),
             Command::RenderPicture => {
                 self.show_export(Kind::Picture);
                 self.export(ExportAction::Render, ctx);
@@ -339,6 +340,7 @@ impl App {
             }
         }
         self.collect_exports(ctx);
+        self.collect_exchange();
         while let Some(done) = self.loader.poll() {
             self.loaded(done, ctx);
         }

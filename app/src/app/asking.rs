@@ -21,6 +21,7 @@ impl App {
             Purpose::SavePng => format!("{stem}.png"),
             Purpose::SaveExr => format!("{stem}.exr"),
             Purpose::SaveSheet | Purpose::SavePack => self.hand_out_name(purpose),
+            Purpose::ExportMaterial(format) => format!("{stem}.{}", format.def().ending),
             Purpose::SaveReport => "report.json".to_owned(),
             Purpose::SaveNotes => "changes.md".to_owned(),
             _ => String::new(),
@@ -62,6 +63,10 @@ impl App {
             Purpose::SavePng => self.write_picture(with_ending("png"), ctx),
             Purpose::SaveExr => self.write_picture(with_ending("exr"), ctx),
             Purpose::SaveSheet | Purpose::SavePack => self.hand_out(purpose, path, ctx),
+            Purpose::ExportMaterial(format) => {
+                let is_named = crate::exchange::Format::of(&path) == Some(format);
+                self.export_material(if is_named { path } else { with_ending(format.def().ending) }, ctx);
+            }
         }
     }
 }

@@ -24,7 +24,8 @@ impl App {
     pub fn load_preset(&mut self, preset: &'static Preset, ctx: &Context) {
         match preset.parse() {
             Ok((file, _)) => {
-                let opened = OpenedMaterial { path: None, file, warnings: Vec::new(), textures: Arc::default() };
+                let opened =
+                    OpenedMaterial { path: None, file, warnings: Vec::new(), textures: Arc::default(), embedded: Arc::default() };
                 self.history.settle();
                 self.editor.document = self.editor.document.replaced_by(Document::opened(opened));
                 self.history.commit(format!("Load preset {}", preset.name), &self.editor.document);
@@ -40,7 +41,8 @@ impl App {
 
     /// A new material that begins with what a file holds, in a tab of its own.
     pub(super) fn open_new(&mut self, file: MaterialFile) {
-        let opened = OpenedMaterial { path: None, file, warnings: Vec::new(), textures: Arc::default() };
+        let opened =
+            OpenedMaterial { path: None, file, warnings: Vec::new(), textures: Arc::default(), embedded: Arc::default() };
         self.open_document(Document::opened(opened));
     }
 

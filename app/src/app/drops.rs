@@ -3,6 +3,7 @@
 use super::App;
 use super::library::holds_materials;
 use crate::dock::Pane;
+use crate::exchange::Format;
 use crate::files;
 use crate::loading::Job;
 use crate::panels::viewport;
@@ -61,7 +62,9 @@ impl App {
         if path.is_dir() {
             return Drop::Do(format!("Use the images of {name} as maps, matched by their names"), Job::TextureSet(id, file));
         }
-        if files::is_material_path(path) {
+        if Format::of(path).is_some_and(|format| format != Format::Native) {
+            Drop::Do(format!("Open the materials and the mesh of {name}"), Job::Import(file))
+        } else if files::is_material_path(path) {
             Drop::Open(format!("Open material {name}"))
         } else if is_model_path(path) {
             Drop::Do(format!("Show the material on {name}"), Job::Model(file))
@@ -71,7 +74,7 @@ impl App {
             Drop::Do(format!("Show {name} beside the view, to look at and pick colours from"), Job::Reference(file))
         } else {
             Drop::Refuse(format!(
-                "{name}: expected a material (.asm.ron), a mesh (.gltf, .glb, .ply), an environment (.hdr, .exr), an image or a folder of images."
+                "{name}: expected a material (.asm.ron, .gltf, .glb, .mtlx, .usda, .usdz, .mdl), a mesh (.gltf, .glb, .ply), an environment (.hdr, .exr), an image or a folder of images."
             ))
         }
     }

@@ -52,6 +52,23 @@ impl App {
                 self.messages.info(format!("Opened the material that {} was made of, as a new document.", picture.display()));
             }
             (_, Ok(Loaded::Material(opened))) => self.show_opened(*opened),
+            (Job::Import(path), Ok(Loaded::Import(materials, model))) => {
+                let count = materials.len();
+                // The first one comes to the front.
+                materials.into_iter().rev().for_each(|opened| self.open_document(Document::opened(opened)));
+                let what = match (count, model.is_some()) {
+                    (0, _) => "its mesh".to_owned(),
+                    (1, false) => "1 material".to_owned(),
+                    (1, true) => "1 material and its mesh".to_owned(),
+                    (count, false) => format!("{count} materials"),
+                    (count, true) => format!("{count} materials and their mesh"),
+                };
+                self.messages.info(format!("Opened {}: {what}; materials are new documents.", path.display()));
+                if let Some(model) = model {
+                    self.editor.places[0] = Some(Place::File(path));
+                    self.editor.set_model(*model);
+                }
+            }
             (Job::Textures(id, ..), Ok(Loaded::Textures(textures))) => {
                 self.edit_document(id, None, |document| Arc::make_mut(&mut document.textures).extend(textures));
             }

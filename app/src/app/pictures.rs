@@ -229,6 +229,7 @@ impl App {
             list.push(Work::new("Writing files of the library"));
         }
         list.extend(self.hand_out_work());
+        list.extend(self.exchange_work());
         if self.pictures_to_write > 0 {
             list.push(Work::new("Writing the picture"));
         }
@@ -264,6 +265,8 @@ impl App {
             }
             Ends::SmallPictures => self.small.cancel(),
             Ends::HandOut => self.end_hand_out(),
+            Ends::Measuring => self.end_measuring(),
+            Ends::Exchange => self.end_exchange(),
             Ends::Debug => self.debug.end(),
             Ends::Check => self.end_check(),
             Ends::Release => self.end_release(),

@@ -23,7 +23,9 @@ impl App {
         document.move_to_folder(path.parent());
         let changed = document.saved().changed(&document.material);
         let text = document.file().to_text(&document.material);
-        let saved = files::save_atomic(&path, text.as_bytes()).map_err(|error| error.to_string()).and_then(|()| {
+        let images = document.embedded().try_for_each(|(name, bytes)| save_image(&path.with_file_name(name), bytes));
+        let written = images.and_then(|()| files::save_atomic(&path, text.as_bytes()).map_err(|error| error.to_string()));
+        let saved = written.and_then(|()| {
             let reread =
                 std::fs::read_to_string(&path).map_err(|error| format!("{}: cannot be read back: {error}", path.display()))?;
             let (file, _) = MaterialFile::parse(&reread).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -58,4 +60,22 @@ impl App {
         self.after_save = None;
         self.messages.error(format!("Not saved. {problem}"));
     }
+}
+
+/// Writes an image that came inside of another file. What is there already and another one stays as it is: an error.
+fn save_image(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    match files::read_file(path, bytes.len() as u64) {
+        Ok(old) if old == bytes => return Ok(()),
+        _ if path.exists() => {
+            return Err(format!(
+                "{}: expected no file or the same image, found another; save into another folder",
+                path.display()
+            ));
+        }
+        _ => {}
+    }
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(|error| format!("{}: cannot be made: {error}", folder.display()))?;
+    }
+    files::save_atomic(path, bytes).map_err(|error| error.to_string())
 }

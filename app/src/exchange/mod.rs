@@ -9,8 +9,11 @@ pub mod save;
 
 pub use error::ExchangeError;
 
-use burnish_material::exchange::ShadingModel;
+use burnish_material::Material;
+use burnish_material::exchange::loss::Row;
+use burnish_material::exchange::model::Context;
 use burnish_material::exchange::models::{gltf, open_pbr, usd_preview};
+use burnish_material::exchange::{ShadingModel, mdl};
 use std::path::Path;
 
 /// A format of material files.
@@ -41,19 +44,33 @@ pub struct FormatDef {
     pub label: &'static str,
     /// Ending of file names, without the dot.
     pub ending: &'static str,
+    /// The last part of it, as dialogs filter by.
+    pub endings: &'static [&'static str],
     /// What a material becomes for programs that do not know ASM; `None` for the native file and for MDL, which brings ASM along.
     pub model: Option<&'static ShadingModel>,
 }
 
 /// Every format.
 pub const FORMATS: &[FormatDef] = &[
-    FormatDef { format: Format::Native, label: "Burnish material", ending: "asm.ron", model: None },
-    FormatDef { format: Format::Gltf, label: "glTF", ending: "gltf", model: Some(&gltf::MODEL) },
-    FormatDef { format: Format::Glb, label: "glTF binary", ending: "glb", model: Some(&gltf::MODEL) },
-    FormatDef { format: Format::MaterialX, label: "MaterialX (OpenPBR)", ending: "mtlx", model: Some(&open_pbr::MODEL) },
-    FormatDef { format: Format::Usda, label: "USD", ending: "usda", model: Some(&usd_preview::MODEL) },
-    FormatDef { format: Format::Usdz, label: "USD package", ending: "usdz", model: Some(&usd_preview::MODEL) },
-    FormatDef { format: Format::Mdl, label: "MDL", ending: "mdl", model: None },
+    FormatDef { format: Format::Native, label: "Burnish material", ending: "asm.ron", endings: &["ron"], model: None },
+    FormatDef { format: Format::Gltf, label: "glTF", ending: "gltf", endings: &["gltf"], model: Some(&gltf::MODEL) },
+    FormatDef { format: Format::Glb, label: "glTF binary", ending: "glb", endings: &["glb"], model: Some(&gltf::MODEL) },
+    FormatDef {
+        format: Format::MaterialX,
+        label: "MaterialX (OpenPBR)",
+        ending: "mtlx",
+        endings: &["mtlx"],
+        model: Some(&open_pbr::MODEL),
+    },
+    FormatDef { format: Format::Usda, label: "USD", ending: "usda", endings: &["usda"], model: Some(&usd_preview::MODEL) },
+    FormatDef {
+        format: Format::Usdz,
+        label: "USD package",
+        ending: "usdz",
+        endings: &["usdz"],
+        model: Some(&usd_preview::MODEL),
+    },
+    FormatDef { format: Format::Mdl, label: "MDL", ending: "mdl", endings: &["mdl"], model: None },
 ];
 
 impl Format {
@@ -72,6 +89,15 @@ impl Format {
     /// Its row of the table.
     pub fn def(self) -> &'static FormatDef {
         FORMATS.iter().find(|def| def.format == self).unwrap_or(&FORMATS[0])
+    }
+}
+
+/// What becomes of each property of a material in a format; nothing to tell for the native file.
+pub fn rows(format: Format, material: &Material) -> Vec<Row> {
+    match (format, format.def().model) {
+        (Format::Mdl, _) => mdl::loss(material, mdl::Flavour::Own),
+        (_, Some(model)) => model.translate(material, &Context::of(material)).rows,
+        (_, None) => Vec::new(),
     }
 }
 

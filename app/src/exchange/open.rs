@@ -2,20 +2,17 @@
 
 use super::Format;
 use super::error::{ExchangeError, Fault};
-use crate::files;
-use burnish_assets::{Image, decode_image};
+use crate::files::{self, Embedded, OpenedMaterial};
+use burnish_assets::{Image, Mesh, Model, Part, Role, decode_image, load_model};
 use burnish_material::exchange::{gltf, materialx, mdl, usd};
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::scene::TextureSet;
-use std::collections::BTreeMap;
+use glam::{Vec2, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Larger files are refused: they are read as a whole.
 const MAX_BYTES: u64 = 1 << 30;
-
-/// Images by the path that materials name, as whole files.
-pub type Embedded = BTreeMap<String, Arc<[u8]>>;
 
 /// A material of a file.
 #[derive(Clone, Debug)]
@@ -36,6 +33,30 @@ impl Opened {
         let embedded = embedded.iter().filter(|(path, _)| names().any(|name| name == path.as_str()));
         let embedded = embedded.map(|(path, bytes)| (path.clone(), bytes.clone())).collect();
         Self { file: MaterialFile::new(material), folder: folder.map(Path::to_path_buf), embedded, notes }
+    }
+
+    /// The same for a document that no file holds yet: images beside the file are named by their whole paths.
+    pub fn apart(self) -> OpenedMaterial {
+        let (textures, problems) = self.textures();
+        let mut material = self.file.material().clone();
+        let moved = files::move_textures(&mut material, self.folder.as_deref(), None);
+        for (property, slot) in self.file.material().slots() {
+            let Some(held) = slot.texture.as_ref().filter(|held| self.embedded.contains_key(&held.path)) else { continue };
+            if let Some(texture) = &mut material.slot_mut(property).texture {
+                texture.path.clone_from(&held.path);
+            }
+        }
+        let name = |old: String| match moved.iter().find(|(before, _)| *before == old) {
+            Some((_, new)) if !self.embedded.contains_key(&old) => new.clone(),
+            _ => old,
+        };
+        let textures = textures.into_iter().map(|(old, image)| (name(old), image)).collect();
+        let file = match MaterialFile::parse(&self.file.to_text(&material)) {
+            Ok((file, _)) => file,
+            Err(_) => MaterialFile::new(&material),
+        };
+        let warnings = self.notes.into_iter().chain(problems).collect();
+        OpenedMaterial { path: None, file, warnings, textures: Arc::new(textures), embedded: Arc::new(self.embedded) }
     }
 
     /// Its images, decoded, and a sentence for each that cannot be read.
@@ -161,4 +182,38 @@ fn of_usd(layer: &str, folder: Option<&Path>, embedded: &Embedded) -> Result<Vec
         })
         .collect();
     Ok(all)
+}
+
+/// The mesh of a file of glTF or USD, if it holds one, and sentences about it.
+pub fn open_model(path: &Path) -> Option<(Model, Vec<String>)> {
+    match Format::of(path)? {
+        Format::Gltf | Format::Glb => load_model(path).ok(),
+        Format::Usda => usd_model(path, usd::layer_text(&files::read_file(path, MAX_BYTES).ok()?).ok()?),
+        Format::Usdz => {
+            let bytes = files::read_file(path, MAX_BYTES).ok()?;
+            usd_model(path, usd::usdz::read(&bytes).ok()?.layer().ok()?)
+        }
+        Format::Native | Format::MaterialX | Format::Mdl => None,
+    }
+}
+
+/// All meshes of a layer as one.
+fn usd_model(path: &Path, layer: &str) -> Option<(Model, Vec<String>)> {
+    let mut mesh = Mesh::default();
+    let meshes = usd::read(layer).ok()?.meshes;
+    let have = |of: fn(&usd::FoundMesh) -> bool| meshes.iter().all(of);
+    let (has_normals, has_uvs) = (have(|mesh| mesh.normals.is_some()), have(|mesh| mesh.uvs.is_some()));
+    for found in meshes {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(found.positions.into_iter().map(Vec3::from));
+        mesh.normals.extend(found.normals.into_iter().flatten().filter(|_| has_normals).map(Vec3::from));
+        // The lower left corner there, the upper left one here.
+        mesh.uvs.extend(found.uvs.into_iter().flatten().filter(|_| has_uvs).map(|[u, v]| Vec2::new(u, 1.0 - v)));
+        mesh.triangles.extend(found.triangles.into_iter().map(|triangle| triangle.map(|vertex| first + vertex)));
+    }
+    let (mut mesh, notes) = mesh.complete();
+    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    mesh.name.clone_from(&name);
+    let parts = vec![Part { role: Role::Object, mesh }];
+    (!parts[0].mesh.triangles.is_empty()).then(|| (Model { name, parts, unit_mm: Some(1000.0) }, notes))
 }

@@ -2,10 +2,9 @@
 
 use super::bake::bake;
 use super::error::{ExchangeError, Fault};
-use super::open::Embedded;
 use super::{Format, FormatDef};
 use crate::export::rgba_png;
-use crate::files::{self, save_atomic};
+use crate::files::{self, Embedded, save_atomic};
 use burnish_assets::{Image, Mesh};
 use burnish_material::exchange::loss::Row;
 use burnish_material::exchange::model::Context;

@@ -4,6 +4,7 @@ pub mod axis;
 pub mod batch_page;
 pub mod chart;
 pub mod diff;
+pub mod exchange_page;
 pub mod explain;
 pub mod export;
 pub mod finding;

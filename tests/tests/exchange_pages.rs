@@ -1,0 +1,99 @@
+//! The window and other formats: the material in front is exported from a page that tells what it costs, and comes back with the mesh.
+
+use burnish::command::Command;
+use burnish_material::{Property, Value};
+use burnish_tests::export_panel::{errors, press_button, until};
+use burnish_tests::window::{Window, app, app_mut, set_document, settle, window_with};
+use egui::vec2;
+use egui_kittest::kittest::Queryable;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn window(paths: Vec<PathBuf>) -> Window {
+    window_with(vec2(1280.0, 1000.0), paths, |app, _| app)
+}
+
+fn open(window: &mut Window, path: &Path) {
+    let ctx = window.ctx.clone();
+    app_mut(window).load_path(path, &ctx);
+    settle(window);
+}
+
+#[test]
+fn a_material_is_exported_with_its_mesh_and_comes_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let glb = folder.path().join("red.glb");
+    let mut first = window(vec![glb.clone()]);
+    set_document(&mut first, |material| {
+        material.name = "Red".to_owned();
+        material.set(Property::roughness, Value::Float(0.1 + 0.2)).set(Property::scatter_red_shift, Value::Float(0.5));
+    });
+    let ctx = first.ctx.clone();
+    app_mut(&mut first).carry_out(Command::ExportMaterial, &ctx);
+    first.run_steps(3);
+    // What glTF cannot say stands there before anything is written.
+    assert!(first.query_by_label("dropped").is_some(), "the sheet names what is lost");
+    press_button(&mut first, "Export…");
+    until(&mut first, "the file", |app| app.messages().last_info().starts_with("Exported "));
+    assert!(fs::read(&glb).is_ok_and(|bytes| bytes.starts_with(b"glTF")), "{:?}", errors(&first));
+
+    let mut second = window(Vec::new());
+    open(&mut second, &glb);
+    assert_eq!(errors(&second), [""; 0]);
+    let material = &app(&second).editor().document.material;
+    assert_eq!((material.name.as_str(), material.float(Property::roughness)), ("Red", 0.1 + 0.2));
+    assert_eq!(material.float(Property::scatter_red_shift), 0.5);
+    assert_eq!(app(&second).editor().model.as_ref().map(|model| model.name.as_str()), Some("red"));
+    assert!(!app(&second).editor().document.is_modified() && app(&second).editor().document.path().is_none());
+}
+
+#[test]
+fn an_image_inside_of_a_file_is_written_when_its_material_is_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    image::save_buffer(at("rough.png"), &[0, 80, 160, 240], 2, 2, image::ExtendedColorType::L8).expect("a file");
+    let text = r#"{ "asm": "4.0", "name": "Map", "properties": { "roughness": { "texture": { "path": "rough.png" } } } }"#;
+    fs::write(at("map.asm.ron"), text).expect("a file");
+    let glb = at("map.glb");
+    let mut first = window(vec![glb.clone()]);
+    open(&mut first, &at("map.asm.ron"));
+    let ctx = first.ctx.clone();
+    app_mut(&mut first).carry_out(Command::ExportMaterial, &ctx);
+    first.run_steps(3);
+    press_button(&mut first, "Export…");
+    until(&mut first, "the file", |app| app.messages().last_info().starts_with("Exported "));
+
+    let elsewhere = at("elsewhere");
+    fs::create_dir(&elsewhere).expect("a folder");
+    fs::copy(&glb, elsewhere.join("map.glb")).expect("a copy");
+    let saved = elsewhere.join("saved.asm.ron");
+    let mut second = window(vec![saved.clone()]);
+    open(&mut second, &elsewhere.join("map.glb"));
+    assert_eq!(app(&second).editor().document.textures.len(), 1, "{:?}", app(&second).messages());
+    let ctx = second.ctx.clone();
+    app_mut(&mut second).carry_out(Command::SaveAs, &ctx);
+    second.run_steps(5);
+    assert_eq!(errors(&second), [""; 0]);
+    let text = fs::read_to_string(&saved).expect("it was saved");
+    let image = fs::read_dir(&elsewhere).expect("a folder").flatten().find(|entry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        name.ends_with(".png") && text.contains(&name)
+    });
+    assert!(image.is_some(), "{text}");
+}
+
+#[test]
+fn a_broken_file_is_one_sentence_and_changes_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = window(Vec::new());
+    let before = app(&window).editor().document.material.clone();
+    for (name, text) in [("a.gltf", "{"), ("b.mtlx", "<materialx"), ("c.usda", "#usda 1.0\ndef"), ("d.usdz", "PK"), ("e.mdl", "")]
+    {
+        let path = folder.path().join(name);
+        fs::write(&path, text).expect("a file");
+        open(&mut window, &path);
+        let errors = errors(&window);
+        assert!(errors.last().is_some_and(|sentence| sentence.contains(name)), "{name}: {errors:?}");
+    }
+    assert_eq!(app(&window).editor().document.material, before);
+}
