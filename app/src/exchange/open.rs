@@ -215,5 +215,5 @@ fn usd_model(path: &Path, layer: &str) -> Option<(Model, Vec<String>)> {
     let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     mesh.name.clone_from(&name);
     let parts = vec![Part { role: Role::Object, mesh }];
-    (!parts[0].mesh.triangles.is_empty()).then(|| (Model { name, parts, unit_mm: Some(1000.0) }, notes))
+    (!parts[0].mesh.triangles.is_empty()).then_some((Model { name, parts, unit_mm: Some(1000.0) }, notes))
 }
