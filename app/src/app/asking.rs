@@ -64,7 +64,8 @@ impl App {
             Purpose::SaveExr => self.write_picture(with_ending("exr"), ctx),
             Purpose::SaveSheet | Purpose::SavePack => self.hand_out(purpose, path, ctx),
             Purpose::ExportMaterial(format) => {
-                let is_named = crate::exchange::Format::of(&path) == Some(format);
+                // An ending that is typed says more than the list.
+                let is_named = crate::exchange::Format::of(&path).is_some_and(|named| named != crate::exchange::Format::Native);
                 self.export_material(if is_named { path } else { with_ending(format.def().ending) }, ctx);
             }
         }
