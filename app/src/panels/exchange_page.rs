@@ -5,7 +5,7 @@ use crate::exchange::{FORMATS, Format, rows};
 use crate::theme;
 use burnish_material::exchange::loss::{Fate, Row};
 use burnish_material::{Material, Property};
-use egui::{ComboBox, Grid, ProgressBar, RichText, ScrollArea, Ui};
+use egui::{ComboBox, ProgressBar, RichText, ScrollArea, Ui};
 
 /// What the page asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,15 +91,21 @@ impl ExchangePage {
             if shown.is_empty() {
                 ui.label("Nothing is lost.");
             }
-            Grid::new("loss sheet").num_columns(4).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
-                for row in shown {
-                    ui.label(row.property.def().label);
-                    ui.label(RichText::new(row.fate.word()).color(fate_color(row.fate)));
-                    ui.label(RichText::new(if row.target.is_empty() { "–" } else { row.target.as_str() }).monospace().small());
-                    ui.add(egui::Label::new(RichText::new(&row.note).small()).wrap());
-                    ui.end_row();
-                }
-            });
+            for row in shown {
+                ui.horizontal_top(|ui| {
+                    let height = ui.spacing().interact_size.y;
+                    ui.add_sized([150.0, height], egui::Label::new(row.property.def().label).truncate().halign(egui::Align::Min));
+                    let fate = RichText::new(row.fate.word()).color(fate_color(row.fate));
+                    ui.add_sized([100.0, height], egui::Label::new(fate).halign(egui::Align::Min));
+                    ui.vertical(|ui| {
+                        ui.add(egui::Label::new(&row.note).wrap());
+                        if !row.target.is_empty() {
+                            ui.add(egui::Label::new(RichText::new(&row.target).small().weak()).wrap());
+                        }
+                    });
+                });
+                ui.separator();
+            }
         });
         ui.add_space(4.0);
         match (share, &self.measured) {
