@@ -85,7 +85,7 @@ impl<'a> Draft<'a> {
         })
     }
 
-    /// Numbers that depend on what an image stands for now: its uniform value is not the material's.
+    /// Numbers that follow a value which an image has taken over: the uniform value of the material no longer counts for them.
     fn settle(&mut self) {
         let inputs = self.part.material.inputs();
         if self.part.material.is_textured(Property::coat_specular_level)
