@@ -3,7 +3,7 @@
 use super::Format;
 use super::error::{ExchangeError, Fault};
 use crate::files::{self, Embedded, OpenedMaterial};
-use burnish_assets::{Image, Mesh, Model, Part, Role, decode_image, load_model};
+use burnish_assets::{BuiltInTexture, Image, Mesh, Model, Part, Role, decode_image, load_model};
 use burnish_material::exchange::{gltf, materialx, mdl, usd};
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::scene::TextureSet;
@@ -28,7 +28,16 @@ pub struct Opened {
 }
 
 impl Opened {
-    fn of(material: &Material, folder: Option<&Path>, embedded: &Embedded, notes: Vec<String>) -> Self {
+    fn of(material: &Material, folder: Option<&Path>, embedded: &Embedded, mut notes: Vec<String>) -> Self {
+        let mut material = material.clone();
+        for def in burnish_material::PROPERTIES {
+            let slot = material.slot_mut(def.id);
+            if let Some(texture) = slot.texture.take_if(|texture| !is_inside(&texture.path)) {
+                let expected = "expected an image in the folder of the file or below";
+                notes.push(format!("{}: the image `{}`: {expected}; not used", def.name, texture.path));
+            }
+        }
+        let material = &material;
         let names = || material.slots().filter_map(|(_, slot)| slot.texture.as_ref()).map(|texture| texture.path.as_str());
         let embedded = embedded.iter().filter(|(path, _)| names().any(|name| name == path.as_str()));
         let embedded = embedded.map(|(path, bytes)| (path.clone(), bytes.clone())).collect();
@@ -80,6 +89,15 @@ impl Opened {
         problems.extend(missing);
         (textures, problems)
     }
+}
+
+/// Whether the path of an image stays in the folder of the file that names it. Files of others could name anything else.
+pub(super) fn is_inside(path: &str) -> bool {
+    let parts = || path.split(['/', '\\']);
+    let leaves = path.starts_with(['/', '\\'])
+        || parts().any(|part| part == "..")
+        || parts().next().is_some_and(|head| head.contains(':'));
+    !leaves || BuiltInTexture::parse(path).is_some()
 }
 
 /// Reads all materials of a file. At least one; notes about the file as a whole are the first one's.

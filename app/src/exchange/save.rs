@@ -2,6 +2,7 @@
 
 use super::bake::bake;
 use super::error::{ExchangeError, Fault};
+use super::open::is_inside;
 use super::{Format, FormatDef};
 use crate::export::rgba_png;
 use crate::files::{self, Embedded, save_atomic};
@@ -32,6 +33,30 @@ pub struct Source {
     pub textures: TextureSet,
     /// Those that no file on disk holds.
     pub embedded: Embedded,
+}
+
+impl Source {
+    /// The same for another computer: images outside of the folder are carried along under their last names, since nobody else has those
+    /// folders, or should read of them.
+    fn portable(&self) -> Self {
+        let names = FileNames::of(std::slice::from_ref(self));
+        let mut portable = self.clone();
+        for def in burnish_material::PROPERTIES {
+            let Some(texture) = &mut portable.material.slot_mut(def.id).texture else { continue };
+            if is_inside(&texture.path) {
+                continue;
+            }
+            let name = names.file(&texture.path);
+            if let Some(Ok(bytes)) = image_bytes(self, &texture.path) {
+                portable.embedded.insert(name.clone(), bytes.into());
+            }
+            if let Some(image) = self.textures.get(&texture.path) {
+                portable.textures.insert(name.clone(), image.clone());
+            }
+            texture.path = name;
+        }
+        portable
+    }
 }
 
 /// How a file is written.
@@ -69,6 +94,13 @@ pub fn save(
     go_on: &dyn Fn(f32) -> bool,
 ) -> Result<Saved, ExchangeError> {
     let format = Format::of(out).ok_or_else(|| ExchangeError::UnknownFormat { path: out.to_path_buf() })?;
+    let portable: Vec<Source>;
+    let sources = if format == Format::Native {
+        sources
+    } else {
+        portable = sources.iter().map(Source::portable).collect();
+        &portable
+    };
     let fault = |fault| ExchangeError::Content { path: out.to_path_buf(), fault };
     let mut beside = Beside::default();
     let (document, rows) = match format {
