@@ -18,13 +18,15 @@ pub struct Control {
     /// What is being done now; empty where the work has no stages.
     stage: Mutex<String>,
     is_cancelled: AtomicBool,
+    since: Instant,
     wake: Context,
 }
 
 impl Control {
-    fn new(ctx: &Context) -> Arc<Self> {
+    /// Of work that begins now.
+    pub fn new(ctx: &Context) -> Arc<Self> {
         let (share, stage, is_cancelled) = Default::default();
-        Arc::new(Self { share, stage, is_cancelled, wake: ctx.clone() })
+        Arc::new(Self { share, stage, is_cancelled, since: Instant::now(), wake: ctx.clone() })
     }
 
     /// This share of the work is done, 0 to 1.
@@ -58,6 +60,22 @@ impl Control {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
+    /// Asks it to end.
+    pub fn cancel(&self) {
+        self.is_cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// The work for the list of all work.
+    pub fn work(&self, name: &str, ends: Ends) -> Work {
+        let (share, stage) = (self.share(), self.stage());
+        let text = if stage.is_empty() { name.to_owned() } else { format!("{name}: {}", stage.to_lowercase()) };
+        let seconds = self.since.elapsed().as_secs_f64();
+        // A stage tells nothing of the others.
+        let can_tell = share > TELLING && stage.is_empty();
+        let remaining = can_tell.then(|| seconds * f64::from((1.0 - share) / share));
+        Work { text, progress: Some(share), remaining, ends: Some(ends) }
+    }
+
     fn share(&self) -> f32 {
         f32::from_bits(self.share.load(Ordering::Relaxed))
     }
@@ -74,7 +92,6 @@ impl Control {
 
 struct Running<T> {
     name: String,
-    since: Instant,
     control: Arc<Control>,
     receiver: Receiver<T>,
 }
@@ -105,13 +122,13 @@ impl<T> Background<T> {
     /// Gives up what is being worked at; whether that was anything.
     pub fn cancel(&mut self) -> bool {
         let running = self.running.take();
-        running.inspect(|running| running.control.is_cancelled.store(true, Ordering::Relaxed)).is_some()
+        running.inspect(|running| running.control.cancel()).is_some()
     }
 
     /// Asks what is being worked at to end at its next seam; what came of it is told as ever.
     pub fn end(&self) {
         if let Some(running) = &self.running {
-            running.control.is_cancelled.store(true, Ordering::Relaxed);
+            running.control.cancel();
         }
     }
 
@@ -136,13 +153,7 @@ impl<T> Background<T> {
     /// The work for the list of all work.
     pub fn work(&self, ends: Ends) -> Option<Work> {
         let running = self.running.as_ref()?;
-        let (name, share, stage) = (&running.name, running.control.share(), running.control.stage());
-        let text = if stage.is_empty() { name.clone() } else { format!("{name}: {}", stage.to_lowercase()) };
-        let seconds = running.since.elapsed().as_secs_f64();
-        // A stage tells nothing of the others.
-        let can_tell = share > TELLING && stage.is_empty();
-        let remaining = can_tell.then(|| seconds * f64::from((1.0 - share) / share));
-        Some(Work { text, progress: Some(share), remaining, ends: Some(ends) })
+        Some(running.control.work(&running.name, ends))
     }
 
     /// What came of it, once; an error in one sentence if the program failed at it. `None` while it goes on, and where there is nothing.
@@ -175,7 +186,7 @@ impl<T: Send + 'static> Background<T> {
         };
         // Without a thread nothing is ever sent, and `poll` says so.
         _ = std::thread::Builder::new().name("background".to_owned()).spawn(work);
-        self.running = Some(Running { name: name.into(), since: Instant::now(), control, receiver });
+        self.running = Some(Running { name: name.into(), control, receiver });
     }
 }
 

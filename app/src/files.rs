@@ -8,7 +8,9 @@ mod textures;
 
 pub use error::FilesError;
 pub use saving::{check_writable, save_atomic};
-pub use textures::{load_textures, make_built_in_texture, move_textures, texture_name, texture_path, texture_problem};
+pub use textures::{
+    load_textures, load_textures_of, make_built_in_texture, move_textures, texture_name, texture_path, texture_problem,
+};
 
 use crate::picture_job::{self, PictureJob};
 use burnish_assets::{BuiltInTexture, TextureMaker};

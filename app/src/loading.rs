@@ -1,10 +1,12 @@
 //! Files and built-in scenes, read and made in the background. The window only collects what is finished.
 
-use crate::exchange::{ExchangeError, open};
+use crate::background::Control;
+use crate::exchange::{Import, import, load_mesh};
 use crate::files::{self, OpenedMaterial};
 use crate::picture_file::embedded_job;
 use crate::texture_set;
-use burnish_assets::{Environment, Image};
+use crate::work::{Ends, Work};
+use burnish_assets::{Environment, Image, Progress};
 use burnish_material::{Channel, Material, Property};
 use burnish_renderer::scene::{ModelMeshes, TextureSet};
 use std::path::{Path, PathBuf};
@@ -133,7 +135,7 @@ impl Job {
         }
     }
 
-    fn run(&self) -> (Result<Loaded, String>, Vec<String>) {
+    fn run(&self, progress: Progress<'_>) -> (Result<Loaded, String>, Vec<String>) {
         let mut warnings = Vec::new();
         let result = match self {
             Self::Material(path) | Self::Reload(_, path) | Self::Compare(_, path) | Self::Apply(_, path) => {
@@ -142,7 +144,7 @@ impl Job {
                     Loaded::Material(Box::new(opened))
                 })
             }
-            Self::Import(path) => import(path, &mut warnings),
+            Self::Import(path) => load_import(path, progress, &mut warnings),
             Self::Picture(path) => embedded_job(path)
                 .map_err(|error| error.to_string())
                 .and_then(|job| files::open_embedded(path, job.as_ref()).map_err(|error| error.to_string()))
@@ -162,7 +164,7 @@ impl Job {
             Self::Shape(name) => burnish_assets::make_shape(name)
                 .map(|model| Loaded::Model(Box::new(model.into()), None))
                 .ok_or_else(|| format!("There is no built-in mesh called {name}.")),
-            Self::Model(path) => burnish_assets::load_model(path).map_err(|error| error.to_string()).map(|(model, notes)| {
+            Self::Model(path) => load_mesh(path, progress).map_err(|error| error.to_string()).map(|(model, notes)| {
                 warnings = notes;
                 Loaded::Model(Box::new(model.into()), Some(path.clone()))
             }),
@@ -180,30 +182,16 @@ impl Job {
     }
 }
 
-/// The materials of a file, and its mesh. A file with a mesh alone is one as well.
-fn import(path: &Path, warnings: &mut Vec<String>) -> Result<Loaded, String> {
-    let opened = open::open(path);
-    let model = open::open_model(path);
-    let opened = match opened {
-        Ok(opened) => opened,
-        Err(ExchangeError::NoMaterial { .. }) if model.is_some() => Vec::new(),
-        Err(error) => return Err(error.to_string()),
-    };
-    let mut materials: Vec<OpenedMaterial> = opened.into_iter().map(open::Opened::apart).collect();
-    for material in &mut materials {
-        let name = &material.file.material().name;
-        warnings.extend(material.warnings.drain(..).map(|note| format!("{}: {name}: {note}", path.display())));
+/// The materials of a file, and its mesh.
+fn load_import(path: &Path, progress: Progress<'_>, warnings: &mut Vec<String>) -> Result<Loaded, String> {
+    let Import { materials, model, mut notes } = import(path, progress).map_err(|error| error.to_string())?;
+    if notes.len() > MAX_WARNINGS {
+        let more = notes.len() - MAX_WARNINGS;
+        notes.truncate(MAX_WARNINGS);
+        notes.push(format!("{}: {more} more notes; `burnish convert` prints all of them", path.display()));
     }
-    if warnings.len() > MAX_WARNINGS {
-        let more = warnings.len() - MAX_WARNINGS;
-        warnings.truncate(MAX_WARNINGS);
-        warnings.push(format!("{}: {more} more notes; `burnish convert` prints all of them", path.display()));
-    }
-    let model = model.map(|(model, notes)| {
-        warnings.extend(notes);
-        Box::new(model.into())
-    });
-    Ok(Loaded::Import(materials, model))
+    warnings.append(&mut notes);
+    Ok(Loaded::Import(materials, model.map(|model| Box::new(model.into()))))
 }
 
 fn image(path: &Path) -> Result<Arc<Image>, String> {
@@ -237,11 +225,23 @@ fn load_set(folder: &Path, warnings: &mut Vec<String>) -> Result<Vec<SetImage>, 
     Ok(set)
 }
 
+struct Running {
+    number: u64,
+    job: Job,
+    control: Arc<Control>,
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.control.cancel();
+    }
+}
+
 /// Runs jobs on threads of their own. A newer job of the same kind makes an older one's result void.
 pub struct Loader {
     sender: Sender<(u64, Done)>,
     receiver: Receiver<(u64, Done)>,
-    running: Vec<(u64, Job)>,
+    running: Vec<Running>,
     next: u64,
 }
 
@@ -255,15 +255,19 @@ impl Default for Loader {
 impl Loader {
     /// Starts a job.
     pub fn start(&mut self, job: Job, ctx: &egui::Context) {
-        self.running.retain(|(_, other)| !other.is_replaced_by(&job));
+        self.running.retain(|running| !running.job.is_replaced_by(&job));
         self.next += 1;
-        let (number, sender, ctx) = (self.next, self.sender.clone(), ctx.clone());
-        self.running.push((number, job.clone()));
+        let (number, sender, control) = (self.next, self.sender.clone(), Control::new(ctx));
+        self.running.push(Running { number, job: job.clone(), control: control.clone() });
         std::thread::spawn(move || {
-            let (result, warnings) = job.run();
+            let told = |share| {
+                control.tell(share);
+                !control.is_cancelled()
+            };
+            let (result, warnings) = job.run(Progress::new(&told));
             // Nobody listens after the window has closed.
             let _ = sender.send((number, Done { job, result, warnings }));
-            ctx.request_repaint();
+            control.wake();
         });
     }
 
@@ -271,17 +275,25 @@ impl Loader {
     pub fn poll(&mut self) -> Option<Done> {
         loop {
             let (number, done) = self.receiver.try_recv().ok()?;
-            if let Some(index) = self.running.iter().position(|(other, _)| *other == number) {
+            if let Some(index) = self.running.iter().position(|running| running.number == number) {
                 self.running.remove(index);
                 return Some(done);
             }
         }
     }
 
-    /// What is being loaded: `Loading studio, wood.png…`, or `None`.
-    pub fn text(&self) -> Option<String> {
-        let names: Vec<String> = self.running.iter().map(|(_, job)| job.text()).collect();
-        (!names.is_empty()).then(|| format!("Loading {}…", names.join(", ")))
+    /// What is being loaded, for the list of all work.
+    pub fn work(&self) -> impl Iterator<Item = Work> {
+        self.running.iter().map(|Running { number, job, control }| {
+            let work = control.work(&format!("Loading {}…", job.text()), Ends::Loading(*number));
+            // Most jobs are too short to tell.
+            Work { progress: work.progress.filter(|share| *share > 0.0), ..work }
+        })
+    }
+
+    /// Ends one job.
+    pub fn end(&mut self, number: u64) {
+        self.running.retain(|running| running.number != number);
     }
 
     /// Makes the results of everything that is being loaded void.

@@ -3,8 +3,8 @@
 /// What can be ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
-    /// Loading of files, meshes and lights.
-    Loading,
+    /// Loading of the file, mesh or light of this number.
+    Loading(u64),
     /// The final view; the preview is shown instead.
     FinalView,
     /// A debug view or an explained pixel; the material is shown instead.

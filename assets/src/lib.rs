@@ -11,6 +11,7 @@ mod environments;
 mod image;
 mod load;
 mod mesh;
+mod progress;
 mod shapes;
 mod tangents;
 mod textures;
@@ -20,8 +21,10 @@ pub use crate::environments::{ENVIRONMENTS, EnvironmentDef, make_environment};
 pub use crate::image::Image;
 pub use crate::load::{
     AssetError, decode_image, is_environment_path, is_image_path, is_model_path, load_environment, load_image, load_model,
+    load_model_with,
 };
 pub use crate::mesh::{Bounds, Mesh, Model, Part, Role};
+pub use crate::progress::{Ended, Progress};
 pub use crate::shapes::{BACKDROPS, BackdropDef, SHAPES, ShapeDef, make_shape};
 pub use crate::textures::{
     BUILT_IN_PREFIX, BuiltInTexture, MAX_CONTRAST, TEXTURES, TextureDef, TextureError, TextureMaker, TextureMap,

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
+use crate::progress::Progress;
 use crate::tangents;
 
 /// A triangle mesh with one normal, tangent and texture coordinate per vertex.
@@ -40,7 +41,12 @@ impl Mesh {
     /// triangles that share the vertex, missing uvs zero, missing tangents those of MikkTSpace (where uvs do not tell
     /// any: an arbitrary direction in the surface). Vertices are repeated where tangents differ on both sides of an
     /// edge.
-    pub fn complete(mut self) -> (Self, Vec<String>) {
+    pub fn complete(self) -> (Self, Vec<String>) {
+        self.complete_telling(Progress::NONE)
+    }
+
+    /// The same, telling how far it is; it goes on whatever the answer.
+    pub(crate) fn complete_telling(mut self, progress: Progress<'_>) -> (Self, Vec<String>) {
         let mut notes = Vec::new();
         self.drop_bad_triangles(&mut notes);
         let count = self.positions.len();
@@ -67,7 +73,7 @@ impl Mesh {
             if !has_uvs {
                 notes.push("There are no texture coordinates, so the direction of tangents is arbitrary.".to_owned());
             }
-            tangents::generate(&mut self);
+            tangents::generate(&mut self, progress);
         }
         tangents::orthonormalize(&mut self);
         (self, notes)

@@ -7,11 +7,21 @@ use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
 
 use crate::mesh::Mesh;
+use crate::progress::Progress;
+use std::cell::Cell;
+
+/// How often the algorithm asks for a position, for each face.
+const POSITIONS_PER_FACE: usize = 21;
+/// So many questions are one more word about the progress.
+const TELLING: usize = 1 << 16;
 
 /// One tangent per corner of each triangle; zero where the algorithm has no answer.
 struct Corners<'a> {
     mesh: &'a Mesh,
     tangents: Vec<[Vec4; 3]>,
+    /// Positions that were asked for, which tells how far the algorithm is.
+    asked: Cell<usize>,
+    progress: Progress<'a>,
 }
 
 impl Corners<'_> {
@@ -30,6 +40,12 @@ impl Geometry for Corners<'_> {
     }
 
     fn position(&self, face: usize, vert: usize) -> [f32; 3] {
+        let asked = self.asked.get() + 1;
+        self.asked.set(asked);
+        if asked.is_multiple_of(TELLING) {
+            // It cannot be stopped on its way.
+            _ = self.progress.tell_count(asked, POSITIONS_PER_FACE * self.num_faces());
+        }
         self.mesh.positions[self.vertex(face, vert)].to_array()
     }
 
@@ -51,10 +67,10 @@ impl Geometry for Corners<'_> {
 /// Gives every vertex of `mesh` a tangent; all its other fields must be complete.
 ///
 /// Uses the direct sum where it applies, else the whole algorithm.
-pub(crate) fn generate(mesh: &mut Mesh) {
+pub(crate) fn generate(mesh: &mut Mesh, progress: Progress<'_>) {
     match shared(mesh) {
         Some(tangents) => mesh.tangents = tangents,
-        None => generate_split(mesh),
+        None => generate_split(mesh, progress),
     }
 }
 
@@ -107,8 +123,8 @@ fn key(p: Vec3, n: Vec3, uv: Vec2) -> u64 {
 }
 
 /// Runs the whole algorithm. A vertex whose triangles disagree (a mirrored mapping, or the end of a seam) is repeated once for each tangent.
-fn generate_split(mesh: &mut Mesh) {
-    let mut corners = Corners { tangents: vec![[Vec4::ZERO; 3]; mesh.triangles.len()], mesh };
+fn generate_split(mesh: &mut Mesh, progress: Progress<'_>) {
+    let mut corners = Corners { tangents: vec![[Vec4::ZERO; 3]; mesh.triangles.len()], mesh, asked: Cell::new(0), progress };
     // The error type has no values: the call cannot fail.
     let _ = generate_tangents(&mut corners);
     let tangents = corners.tangents;
@@ -169,7 +185,7 @@ mod tests {
         direct.tangents.clear();
         let mut whole = direct.clone();
         direct.tangents = shared(&direct).expect("the torus shares vertices as it should");
-        generate_split(&mut whole);
+        generate_split(&mut whole, Progress::NONE);
         orthonormalize(&mut direct);
         orthonormalize(&mut whole);
         assert_eq!(direct.positions.len(), whole.positions.len(), "nothing to split");

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use burnish_assets::{AssetError, Mesh, Model, Role, is_model_path, load_model};
+use burnish_assets::{AssetError, Mesh, Model, Progress, Role, is_model_path, load_model, load_model_with};
 use glam::{Vec2, Vec3};
 
 /// A folder with files, gone with the test.
@@ -367,4 +367,39 @@ fn complete_mends_what_it_can() {
     assert_eq!(notes.len(), 4, "{notes:?}");
     let (nothing, notes) = Mesh::default().complete();
     assert!(nothing == Mesh::default() && notes.is_empty() && nothing.bounds().size() == Vec3::ZERO);
+}
+
+#[test]
+fn loading_tells_how_far_it_is_and_ends_when_nobody_wants_it() {
+    let folder = Folder::new();
+    // Two meshes of the same corners: a seam in each, so that the whole algorithm for tangents runs.
+    let triangle = |x: f32| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0]].concat();
+    let numbers: Vec<u8> = [triangle(0.0), triangle(2.0)].concat().iter().flat_map(|x| x.to_le_bytes()).collect();
+    folder.write("a.bin", &numbers);
+    let accessor = |k: usize| format!(r#"{{"bufferView":{k},"componentType":5126,"count":3,"type":"VEC3"}}"#);
+    let view = |k: usize| format!(r#"{{"buffer":0,"byteOffset":{},"byteLength":36}}"#, 36 * k);
+    let mesh = |k: usize| format!(r#"{{"primitives":[{{"attributes":{{"POSITION":{k}}}}}]}}"#);
+    let both = |of: &dyn Fn(usize) -> String| format!("[{},{}]", of(0), of(1));
+    let text = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"a.bin","byteLength":72}}],"bufferViews":{},"accessors":{},"meshes":{}}}"#,
+        both(&view),
+        both(&accessor),
+        both(&mesh)
+    );
+    let path = folder.write("a.gltf", text);
+    let shares = std::cell::RefCell::new(Vec::new());
+    let listen = |share: f32| {
+        shares.borrow_mut().push(share);
+        true
+    };
+    load_model_with(&path, Progress::new(&listen)).expect("two triangles");
+    let heard = shares.take();
+    assert!(heard.len() >= 4 && heard.is_sorted() && heard.iter().all(|share| (0.0..=1.0).contains(share)), "{heard:?}");
+    assert!(heard.iter().any(|share| (0.3..0.7).contains(share)), "half of the meshes is half of the work: {heard:?}");
+    for limit in 0..heard.len() {
+        let left = std::cell::Cell::new(limit);
+        let listen = |_| left.replace(left.get().saturating_sub(1)) > 0;
+        let result = load_model_with(&path, Progress::new(&listen));
+        assert!(matches!(&result, Err(AssetError::Ended { .. })), "{limit}: {result:?}");
+    }
 }

@@ -97,3 +97,32 @@ fn a_broken_file_is_one_sentence_and_changes_nothing() {
     }
     assert_eq!(app(&window).editor().document.material, before);
 }
+
+#[test]
+fn an_import_is_told_of_and_can_be_ended() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("large.gltf");
+    // Long enough to be ended.
+    let name = "x".repeat(40_000_000);
+    fs::write(&path, format!(r#"{{"asset":{{"version":"2.0","generator":"{name}"}},"materials":[{{"name":"One"}}]}}"#))
+        .expect("a file");
+    let mut window = window(Vec::new());
+    let before = app(&window).editor().document.material.clone();
+    let ctx = window.ctx.clone();
+    app_mut(&mut window).load_path(&path, &ctx);
+    window.run_steps(1);
+    press_button(&mut window, "Work: Loading large.gltf…");
+    window.run_steps(2);
+    press_button(&mut window, "End Loading large.gltf…");
+    window.run_steps(2);
+    assert_eq!(app(&window).messages().last_info(), "Loading was ended.");
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    settle(&mut window);
+    assert_eq!(app(&window).editor().document.material, before);
+    // The next one comes as ever.
+    fs::write(&path, r#"{"asset":{"version":"2.0"},"materials":[{"name":"Two"}]}"#).expect("a file");
+    open(&mut window, &path);
+    assert_eq!(app(&window).editor().document.material.name, "Two");
+    let info = app(&window).messages().last_info();
+    assert!(info.contains("1 material, ") && info.contains(" of 40 properties set"), "{info}");
+}

@@ -10,6 +10,7 @@ use crate::sides::Side;
 use burnish_assets::Image;
 use burnish_material::{Property, Slot, TextureRef};
 use egui::Context;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -56,14 +57,18 @@ impl App {
                 let count = materials.len();
                 // The first one comes to the front.
                 materials.into_iter().rev().for_each(|opened| self.open_document(Document::opened(opened)));
-                let what = match (count, model.is_some()) {
-                    (0, _) => "its mesh".to_owned(),
-                    (1, false) => "1 material".to_owned(),
-                    (1, true) => "1 material and its mesh".to_owned(),
-                    (count, false) => format!("{count} materials"),
-                    (count, true) => format!("{count} materials and their mesh"),
+                let what = match count {
+                    0 => String::new(),
+                    1 => format!("1 material, {}", properties_of(&self.editor.document)),
+                    count => format!("{count} materials"),
                 };
-                self.messages.info(format!("Opened {}: {what}; materials are new documents.", path.display()));
+                let mesh = match (count, model.is_some()) {
+                    (_, false) => "",
+                    (0, true) => "its mesh",
+                    (1, true) => ", and its mesh",
+                    (_, true) => " and their mesh",
+                };
+                self.messages.info(format!("Opened {}: {what}{mesh}; materials are new documents.", path.display()));
                 if let Some(model) = model {
                     self.editor.places[0] = Some(Place::File(path));
                     self.editor.set_model(*model);
@@ -136,17 +141,7 @@ impl App {
         let path = opened.path.clone().unwrap_or_default();
         self.open_document(Document::opened(opened));
         self.keeping.opened(&path);
-        let document = &self.editor.document;
-        let set = document.material.slots().filter(|(_, slot)| **slot != Slot::default()).count();
-        let mut info = format!("Opened {}: {set} of {} properties set", path.display(), burnish_material::PROPERTY_COUNT);
-        for (count, what) in
-            [(document.file().unknown_keys().len(), "unknown kept"), (document.file().unreadable().len(), "unreadable kept")]
-        {
-            if count > 0 {
-                info += &format!(", {count} {what}");
-            }
-        }
-        self.messages.info(info);
+        self.messages.info(format!("Opened {}: {}", path.display(), properties_of(&self.editor.document)));
     }
 
     /// What to do about a file that another program has changed.
@@ -167,6 +162,19 @@ impl App {
         }
         reloaded.into_iter().for_each(|job| self.loader.start(job, ctx));
     }
+}
+
+/// How many properties a document sets, and what it keeps without knowing it.
+fn properties_of(document: &Document) -> String {
+    let set = document.material.slots().filter(|(_, slot)| **slot != Slot::default()).count();
+    let mut text = format!("{set} of {} properties set", burnish_material::PROPERTY_COUNT);
+    let unknown = document.file().unknown_keys().len() + document.material.foreign.values().map(BTreeMap::len).sum::<usize>();
+    for (count, what) in [(unknown, "unknown kept"), (document.file().unreadable().len(), "unreadable kept")] {
+        if count > 0 {
+            text += &format!(", {count} {what}");
+        }
+    }
+    text
 }
 
 /// Where a job loads a model or an environment from.

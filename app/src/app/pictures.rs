@@ -206,9 +206,7 @@ impl App {
     /// Everything that is being worked at.
     pub(super) fn work(&self) -> Vec<Work> {
         let mut list = Vec::new();
-        if let Some(text) = self.loader.text() {
-            list.push(Work { ends: Some(Ends::Loading), ..Work::new(text) });
-        }
+        list.extend(self.loader.work());
         list.extend(self.exporting.work());
         if let Some((done, all)) = self.small.progress() {
             let progress = Some(done as f32 / all.max(1) as f32);
@@ -259,8 +257,8 @@ impl App {
     /// Ends a piece of work.
     pub(super) fn end_work(&mut self, ends: Ends, ctx: &egui::Context) {
         match ends {
-            Ends::Loading => {
-                self.loader.cancel();
+            Ends::Loading(number) => {
+                self.loader.end(number);
                 self.messages.info("Loading was ended.");
             }
             Ends::SmallPictures => self.small.cancel(),

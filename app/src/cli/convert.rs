@@ -7,12 +7,12 @@ use super::{CliError, Messages, Outcome, interrupt, one_line, print_out};
 use crate::exchange::measure::{Measured, Shown, measure, without_native_copy};
 use crate::exchange::open::{Opened, open};
 use crate::exchange::save::{SaveOptions, Saved, Source, save};
-use crate::exchange::{ExchangeError, Format};
+use crate::exchange::{ExchangeError, Format, load_mesh};
 use crate::files::{self, save_atomic};
 use crate::library::setup::{Frame, Setup, Stage};
 use crate::picture_diff::Drawing;
 use crate::picture_file::embedded_job;
-use burnish_assets::{Mesh, is_image_path, load_model, make_shape};
+use burnish_assets::{Mesh, Progress, is_image_path, make_shape};
 use burnish_material::exchange::loss::{Fate, Row};
 use burnish_material::exchange::model::Context;
 use burnish_renderer::tonemap::Display;
@@ -178,7 +178,7 @@ fn mesh(text: &str, messages: &mut Messages) -> Result<(Mesh, f64), CliError> {
     let model = match make_shape(text) {
         Some(model) => model,
         None => {
-            let (model, warnings) = load_model(Path::new(text)).map_err(CliError::unusable)?;
+            let (model, warnings) = load_mesh(Path::new(text), Progress::NONE).map_err(CliError::unusable)?;
             warnings.iter().for_each(|warning| messages.warn_about(Path::new(text), warning));
             model
         }

@@ -5,12 +5,13 @@ use super::set::{Assignment, parse_number, parse_triple};
 use super::{CliError, Messages, interrupt, suggest};
 pub use crate::offline::loaded_scene::LoadedScene;
 
+use crate::exchange::{is_mesh_path, load_mesh};
 use crate::offline::loaded_scene::Origin;
 use crate::picture_job::Place;
 use crate::scene_file::{DOCUMENT_MATERIAL, MAX_PIXELS, MAX_SIDE, MAX_TILED_PIXELS, load_scene};
 use burnish_assets::{
-    BACKDROPS, BackdropDef, ENVIRONMENTS, Environment, Model, SHAPES, is_environment_path, is_model_path, load_environment,
-    load_model, make_environment, make_shape,
+    BACKDROPS, BackdropDef, ENVIRONMENTS, Environment, Model, Progress, SHAPES, is_environment_path, load_environment,
+    make_environment, make_shape,
 };
 use burnish_renderer::scene::{Camera, EnvironmentLight, ModelMeshes, Object, Scene};
 use clap::Args;
@@ -177,9 +178,9 @@ impl SceneOptions {
                     model
                 }
                 None => {
-                    let path = existing("--mesh", text, is_model_path(Path::new(text)), SHAPES.iter().map(|def| def.name))?;
+                    let path = existing("--mesh", text, is_mesh_path(Path::new(text)), SHAPES.iter().map(|def| def.name))?;
                     origin.mesh = Some(Place::File(path.to_path_buf()));
-                    let (model, warnings) = load_model(path).map_err(CliError::unusable)?;
+                    let (model, warnings) = load_mesh(path, Progress::NONE).map_err(CliError::unusable)?;
                     warnings.iter().for_each(|warning| messages.warn_about(path, warning));
                     model
                 }

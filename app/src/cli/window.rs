@@ -5,8 +5,8 @@ use super::render::{self, RenderArguments};
 use super::scene_options::SceneOptions;
 use super::{CliError, Outcome, interrupt};
 use crate::app::{WindowError, WindowOptions};
-use crate::files::is_material_path;
-use burnish_assets::{is_environment_path, is_model_path};
+use crate::exchange::{Format, is_mesh_path};
+use burnish_assets::is_environment_path;
 use std::path::{Path, PathBuf};
 
 /// Where the picture goes when there is no display.
@@ -48,11 +48,11 @@ fn picture_instead(files: &[PathBuf], reason: &str) -> Result<Outcome, CliError>
     let first =
         |fits: fn(&Path) -> bool| files.iter().find(|file| fits(file) && file.is_file()).map(|file| file.display().to_string());
     let mut arguments = RenderArguments::default();
-    arguments.material = first(is_material_path);
+    arguments.material = first(|path| Format::of(path).is_some());
     arguments.out = PathBuf::from(FALLBACK_FILE);
     arguments.spp = Some(FALLBACK_SPP);
     arguments.time = Some(FALLBACK_SECONDS);
     arguments.scene =
-        SceneOptions { mesh: first(is_model_path), environment: first(is_environment_path), ..SceneOptions::default() };
+        SceneOptions { mesh: first(is_mesh_path), environment: first(is_environment_path), ..SceneOptions::default() };
     render::run_or_default(&arguments, LoadedMaterial::default())
 }

@@ -1,6 +1,7 @@
 //! Why a file of another format could not be read or written.
 
 use crate::files::FilesError;
+use burnish_assets::{AssetError, Ended};
 use burnish_material::exchange::{gltf, materialx, mdl, usd};
 use std::fmt;
 use std::path::PathBuf;
@@ -10,6 +11,8 @@ use std::path::PathBuf;
 pub enum ExchangeError {
     /// The file itself.
     Files(FilesError),
+    /// Its mesh.
+    Mesh(AssetError),
     /// The name has no ending that is known.
     UnknownFormat {
         /// The file.
@@ -21,6 +24,11 @@ pub enum ExchangeError {
         path: PathBuf,
         /// The fault.
         fault: Fault,
+    },
+    /// There is no mesh in it.
+    NoMesh {
+        /// The file.
+        path: PathBuf,
     },
     /// There is no material in it.
     NoMaterial {
@@ -50,12 +58,14 @@ impl fmt::Display for ExchangeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Files(error) => write!(f, "{error}"),
+            Self::Mesh(error) => write!(f, "{error}"),
             Self::UnknownFormat { path } => {
                 write!(f, "{}: expected a name that ends in one of {}", path.display(), super::endings())
             }
             Self::Content { path, fault } => write!(f, "{}: {fault}", path.display()),
+            Self::NoMesh { path } => write!(f, "{}: expected at least one mesh, found none", path.display()),
             Self::NoMaterial { path } => write!(f, "{}: expected at least one material, found none", path.display()),
-            Self::Cancelled => f.write_str("cancelled; nothing was written"),
+            Self::Cancelled => f.write_str("cancelled; nothing was read or written"),
         }
     }
 }
@@ -73,6 +83,12 @@ impl fmt::Display for Fault {
 }
 
 impl std::error::Error for ExchangeError {}
+
+impl From<Ended> for ExchangeError {
+    fn from(_: Ended) -> Self {
+        Self::Cancelled
+    }
+}
 
 impl From<FilesError> for ExchangeError {
     fn from(error: FilesError) -> Self {

@@ -3,11 +3,15 @@
 
 pub mod bake;
 mod error;
+mod import;
 pub mod measure;
+mod mesh;
 pub mod open;
 pub mod save;
 
 pub use error::ExchangeError;
+pub use import::{Import, import};
+pub use mesh::{is_mesh_path, load_mesh};
 
 use burnish_material::Material;
 use burnish_material::exchange::loss::Row;

@@ -3,11 +3,10 @@
 use super::Format;
 use super::error::{ExchangeError, Fault};
 use crate::files::{self, Embedded, OpenedMaterial};
-use burnish_assets::{BuiltInTexture, Image, Mesh, Model, Part, Role, decode_image, load_model};
+use burnish_assets::{BuiltInTexture, Ended, Progress};
 use burnish_material::exchange::{gltf, materialx, mdl, usd};
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::scene::TextureSet;
-use glam::{Vec2, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -45,8 +44,14 @@ impl Opened {
     }
 
     /// The same for a document that no file holds yet: images beside the file are named by their whole paths.
-    pub fn apart(self) -> OpenedMaterial {
-        let (textures, problems) = self.textures();
+    ///
+    /// `images` are those of its file, decoded.
+    pub fn apart(self, images: &TextureSet) -> OpenedMaterial {
+        let of_it = self.file.material().slots().filter_map(|(_, slot)| slot.texture.as_ref());
+        let textures: TextureSet = of_it
+            .filter_map(|texture| images.get_key_value(&texture.path))
+            .map(|(path, image)| (path.clone(), image.clone()))
+            .collect();
         let mut material = self.file.material().clone();
         let moved = files::move_textures(&mut material, self.folder.as_deref(), None);
         for (property, slot) in self.file.material().slots() {
@@ -64,31 +69,22 @@ impl Opened {
             Ok((file, _)) => file,
             Err(_) => MaterialFile::new(&material),
         };
-        let warnings = self.notes.into_iter().chain(problems).collect();
-        OpenedMaterial { path: None, file, warnings, textures: Arc::new(textures), embedded: Arc::new(self.embedded) }
+        OpenedMaterial { path: None, file, warnings: self.notes, textures: Arc::new(textures), embedded: Arc::new(self.embedded) }
     }
 
     /// Its images, decoded, and a sentence for each that cannot be read.
     pub fn textures(&self) -> (TextureSet, Vec<String>) {
-        let (mut textures, mut problems) = (TextureSet::new(), Vec::new());
-        for (path, bytes) in &self.embedded {
-            match decode_image(Path::new(path), bytes) {
-                Ok(image) => _ = textures.insert(path.clone(), Arc::<Image>::new(image)),
-                Err(error) => problems.push(format!("the value is used instead of the texture: {error}")),
-            }
-        }
-        let mut beside = self.file.material().clone();
-        for def in burnish_material::PROPERTIES {
-            let slot = beside.slot_mut(def.id);
-            if slot.texture.as_ref().is_some_and(|texture| self.embedded.contains_key(&texture.path)) {
-                slot.texture = None;
-            }
-        }
-        let (read, missing) = files::load_textures(&beside, self.folder.as_deref());
-        textures.extend(read);
-        problems.extend(missing);
-        (textures, problems)
+        // Without a listener nothing ends.
+        textures_of(std::slice::from_ref(self), Progress::NONE).unwrap_or_default()
     }
+}
+
+/// The images of all materials of one file, each decoded once, and a sentence for each that cannot be read.
+pub fn textures_of(opened: &[Opened], progress: Progress<'_>) -> Result<(TextureSet, Vec<String>), Ended> {
+    let materials: Vec<&Material> = opened.iter().map(|opened| opened.file.material()).collect();
+    let embedded = opened.iter().flat_map(|opened| opened.embedded.iter()).map(|(path, bytes)| (path.clone(), bytes.clone()));
+    let folder = opened.first().and_then(|opened| opened.folder.as_deref());
+    files::load_textures_of(&materials, folder, &embedded.collect(), progress)
 }
 
 /// Whether the path of an image stays in the folder of the file that names it. Files of others could name anything else.
@@ -102,10 +98,17 @@ pub(super) fn is_inside(path: &str) -> bool {
 
 /// Reads all materials of a file. At least one; notes about the file as a whole are the first one's.
 pub fn open(path: &Path) -> Result<Vec<Opened>, ExchangeError> {
+    let opened = read(path)?.0;
+    if opened.is_empty() { Err(ExchangeError::NoMaterial { path: path.to_path_buf() }) } else { Ok(opened) }
+}
+
+/// All materials of a file, and its meshes where they are read in the same go.
+pub(super) fn read(path: &Path) -> Result<(Vec<Opened>, Option<Vec<usd::FoundMesh>>), ExchangeError> {
     let format = Format::of(path).ok_or_else(|| ExchangeError::UnknownFormat { path: path.to_path_buf() })?;
     let content = |fault| ExchangeError::Content { path: path.to_path_buf(), fault };
     let folder = path.parent();
     let text = || -> Result<String, ExchangeError> { Ok(files::read_text_file(path, MAX_BYTES)?) };
+    let mut meshes = None;
     let mut opened = match format {
         Format::Native => {
             let (file, warnings) = files::read_material(path)?;
@@ -120,17 +123,10 @@ pub fn open(path: &Path) -> Result<Vec<Opened>, ExchangeError> {
             let read = materialx::read(&text()?).map_err(|error| content(Fault::MaterialX(error)))?;
             read.into_iter().map(|found| Opened::of(&found.material, folder, &Embedded::new(), found.notes)).collect()
         }
-        Format::Usda => {
-            let bytes = files::read_file(path, MAX_BYTES)?;
-            let layer = usd::layer_text(&bytes).map_err(|error| content(Fault::Usd(error)))?;
-            of_usd(layer, folder, &Embedded::new()).map_err(|error| content(Fault::Usd(error)))?
-        }
-        Format::Usdz => {
-            let bytes = files::read_file(path, MAX_BYTES)?;
-            let package = usd::usdz::read(&bytes).map_err(|error| content(Fault::Usd(error)))?;
-            let embedded = package.files().skip(1).map(|(name, bytes)| (name.to_owned(), bytes.into())).collect();
-            let layer = package.layer().map_err(|error| content(Fault::Usd(error)))?;
-            of_usd(layer, folder, &embedded).map_err(|error| content(Fault::Usd(error)))?
+        Format::Usda | Format::Usdz => {
+            let (scene, embedded) = usd_scene(path)?;
+            meshes = Some(scene.meshes);
+            of_usd(scene.materials, folder, &embedded)
         }
         Format::Mdl => {
             let read = mdl::read(&text()?).map_err(|error| content(Fault::Mdl(error)))?;
@@ -138,7 +134,7 @@ pub fn open(path: &Path) -> Result<Vec<Opened>, ExchangeError> {
         }
     };
     opened.iter_mut().for_each(|found| found.notes.dedup());
-    if opened.is_empty() { Err(ExchangeError::NoMaterial { path: path.to_path_buf() }) } else { Ok(opened) }
+    Ok((opened, meshes))
 }
 
 fn of_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<Vec<Opened>, gltf::GltfError> {
@@ -180,10 +176,20 @@ fn of_gltf(bytes: &[u8], folder: Option<&Path>) -> Result<Vec<Opened>, gltf::Glt
     Ok(opened)
 }
 
-fn of_usd(layer: &str, folder: Option<&Path>, embedded: &Embedded) -> Result<Vec<Opened>, usd::UsdError> {
-    let scene = usd::read(layer)?;
-    let all: Vec<Opened> = scene
-        .materials
+/// The layer of a USD file or package, and the images that a package holds.
+pub(super) fn usd_scene(path: &Path) -> Result<(usd::Scene, Embedded), ExchangeError> {
+    let content = |error| ExchangeError::Content { path: path.to_path_buf(), fault: Fault::Usd(error) };
+    let bytes = files::read_file(path, MAX_BYTES)?;
+    if Format::of(path) != Some(Format::Usdz) {
+        return Ok((usd::layer_text(&bytes).and_then(usd::read).map_err(content)?, Embedded::new()));
+    }
+    let package = usd::usdz::read(&bytes).map_err(content)?;
+    let embedded = package.files().skip(1).map(|(name, bytes)| (name.to_owned(), bytes.into())).collect();
+    Ok((package.layer().and_then(usd::read).map_err(content)?, embedded))
+}
+
+pub(super) fn of_usd(materials: Vec<usd::FoundMaterial>, folder: Option<&Path>, embedded: &Embedded) -> Vec<Opened> {
+    materials
         .into_iter()
         .map(|found| {
             let mut material = found.material;
@@ -198,40 +204,5 @@ fn of_usd(layer: &str, folder: Option<&Path>, embedded: &Embedded) -> Result<Vec
             }
             Opened::of(&material, folder, embedded, found.notes)
         })
-        .collect();
-    Ok(all)
-}
-
-/// The mesh of a file of glTF or USD, if it holds one, and sentences about it.
-pub fn open_model(path: &Path) -> Option<(Model, Vec<String>)> {
-    match Format::of(path)? {
-        Format::Gltf | Format::Glb => load_model(path).ok(),
-        Format::Usda => usd_model(path, usd::layer_text(&files::read_file(path, MAX_BYTES).ok()?).ok()?),
-        Format::Usdz => {
-            let bytes = files::read_file(path, MAX_BYTES).ok()?;
-            usd_model(path, usd::usdz::read(&bytes).ok()?.layer().ok()?)
-        }
-        Format::Native | Format::MaterialX | Format::Mdl => None,
-    }
-}
-
-/// All meshes of a layer as one.
-fn usd_model(path: &Path, layer: &str) -> Option<(Model, Vec<String>)> {
-    let mut mesh = Mesh::default();
-    let meshes = usd::read(layer).ok()?.meshes;
-    let have = |of: fn(&usd::FoundMesh) -> bool| meshes.iter().all(of);
-    let (has_normals, has_uvs) = (have(|mesh| mesh.normals.is_some()), have(|mesh| mesh.uvs.is_some()));
-    for found in meshes {
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(found.positions.into_iter().map(Vec3::from));
-        mesh.normals.extend(found.normals.into_iter().flatten().filter(|_| has_normals).map(Vec3::from));
-        // The lower left corner there, the upper left one here.
-        mesh.uvs.extend(found.uvs.into_iter().flatten().filter(|_| has_uvs).map(|[u, v]| Vec2::new(u, 1.0 - v)));
-        mesh.triangles.extend(found.triangles.into_iter().map(|triangle| triangle.map(|vertex| first + vertex)));
-    }
-    let (mut mesh, notes) = mesh.complete();
-    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    mesh.name.clone_from(&name);
-    let parts = vec![Part { role: Role::Object, mesh }];
-    (!parts[0].mesh.triangles.is_empty()).then_some((Model { name, parts, unit_mm: Some(1000.0) }, notes))
+        .collect()
 }

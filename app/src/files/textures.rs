@@ -1,9 +1,9 @@
 //! Images of materials: where they are, how they are named, and loading or making them.
 
-use super::kind_of;
+use super::{Embedded, kind_of};
 use crate::cli::suggest;
-use burnish_assets::{BuiltInTexture, Image, TextureError, TextureMaker};
-use burnish_material::Material;
+use burnish_assets::{BuiltInTexture, Ended, Image, Progress, TextureError, TextureMaker};
+use burnish_material::{Material, Property};
 use burnish_renderer::scene::TextureSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,30 +13,44 @@ use std::sync::Arc;
 ///
 /// Returns the images that could be read, and a sentence for each that could not.
 pub fn load_textures(material: &Material, folder: Option<&Path>) -> (TextureSet, Vec<String>) {
-    let mut textures = TextureSet::new();
-    let mut maker = TextureMaker::default();
-    let mut failed: Vec<(String, String)> = Vec::new();
-    for (property, slot) in material.slots() {
-        let Some(texture) = &slot.texture else { continue };
-        if textures.contains_key(&texture.path) || failed.iter().any(|(path, _)| *path == texture.path) {
-            continue;
-        }
-        let name = property.def().name;
-        if texture.path.is_empty() {
-            // In the words of `burnish_material::check`, so that who prints both can tell that they are one.
-            failed.push((String::new(), format!("{name}: has a texture without a path")));
-            continue;
-        }
-        match load_texture(&texture.path, folder, &mut maker) {
-            Ok(image) => {
-                textures.insert(texture.path.clone(), Arc::new(image));
-            }
-            Err(error) => {
-                failed.push((texture.path.clone(), format!("{name}: the value is used instead of the texture: {error}")));
-            }
+    // Without a listener nothing ends.
+    load_textures_of(&[material], folder, &Embedded::new(), Progress::NONE).unwrap_or_default()
+}
+
+/// The same of several materials of one file: each image once. Those in `embedded` stand in the file itself.
+pub fn load_textures_of(
+    materials: &[&Material],
+    folder: Option<&Path>,
+    embedded: &Embedded,
+    progress: Progress<'_>,
+) -> Result<(TextureSet, Vec<String>), Ended> {
+    let mut named: Vec<(Property, &str)> = Vec::new();
+    for (property, slot) in materials.iter().flat_map(|material| material.slots()) {
+        if let Some(texture) = &slot.texture
+            && !named.iter().any(|(_, path)| *path == texture.path)
+        {
+            named.push((property, &texture.path));
         }
     }
-    (textures, failed.into_iter().map(|(_, sentence)| sentence).collect())
+    let (mut textures, mut failed, mut maker) = (TextureSet::new(), Vec::new(), TextureMaker::default());
+    for (k, &(property, path)) in named.iter().enumerate() {
+        progress.tell_count(k, named.len())?;
+        let name = property.def().name;
+        if path.is_empty() {
+            // In the words of `burnish_material::check`, so that who prints both can tell that they are one.
+            failed.push(format!("{name}: has a texture without a path"));
+            continue;
+        }
+        let image = match embedded.get(path) {
+            Some(bytes) => burnish_assets::decode_image(Path::new(path), bytes).map_err(|error| error.to_string()),
+            None => load_texture(path, folder, &mut maker),
+        };
+        match image {
+            Ok(image) => _ = textures.insert(path.to_owned(), Arc::new(image)),
+            Err(error) => failed.push(format!("{name}: the value is used instead of the texture: {error}")),
+        }
+    }
+    Ok((textures, failed))
 }
 
 pub(super) fn load_texture(path: &str, folder: Option<&Path>, maker: &mut TextureMaker) -> Result<Image, String> {

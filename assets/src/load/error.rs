@@ -71,6 +71,11 @@ pub enum AssetError {
         /// What was expected.
         expected: &'static str,
     },
+    /// Somebody ended the loading.
+    Ended {
+        /// The file.
+        file: PathBuf,
+    },
 }
 
 impl AssetError {
@@ -84,7 +89,8 @@ impl AssetError {
             | Self::Unsupported { file, .. }
             | Self::MissingData { file, .. }
             | Self::TooLarge { file, .. }
-            | Self::Empty { file, .. } => file,
+            | Self::Empty { file, .. }
+            | Self::Ended { file } => file,
         }
     }
 
@@ -125,6 +131,7 @@ impl fmt::Display for AssetError {
             | Self::MissingData { place, problem, .. } => write!(f, "{place}: {problem}."),
             Self::TooLarge { problem, .. } => write!(f, "{problem}."),
             Self::Empty { expected, .. } => write!(f, "expected {expected}, found none."),
+            Self::Ended { .. } => f.write_str("loading was ended."),
         }
     }
 }

@@ -16,6 +16,7 @@ use gltf::json::{Root, scene};
 use super::AssetError;
 use super::accessors::Accessors;
 use crate::mesh::Mesh;
+use crate::progress::{Ended, Progress};
 
 /// A document can show one mesh many times; beyond this it is refused.
 const MAX_TRIANGLES: usize = 1 << 25;
@@ -24,7 +25,7 @@ const MAX_TRIANGLES: usize = 1 << 25;
 const COMPRESSIONS: &[&str] = &["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Reads the mesh in `bytes`, the contents of `file`, and sentences about what was left out.
-pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<(Mesh, Vec<String>), AssetError> {
+pub(super) fn read(file: &Path, bytes: &[u8], progress: Progress<'_>) -> Result<(Mesh, Vec<String>), AssetError> {
     let (json, blob) = if bytes.starts_with(b"glTF") { split_binary(file, bytes)? } else { (bytes, None) };
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let root = Root::from_slice(json)
@@ -34,8 +35,16 @@ pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<(Mesh, Vec<String>), Ass
 
     let mut reader = Reader { file, root: &root, accessors: Accessors::new(file, &root, blob), warnings };
     let mut whole = Mesh::default();
-    for (mesh, transform) in placed_meshes(file, &root)? {
-        reader.append_mesh(&mut whole, mesh, transform)?;
+    let placed = placed_meshes(file, &root)?;
+    // A mesh is as long as its vertices are many.
+    let work_of = |&(mesh, _): &(usize, Mat4)| root.meshes.get(mesh).map_or(0, |mesh| vertex_count(&root, mesh));
+    let total = placed.iter().map(work_of).sum::<u64>().max(1) as f32;
+    let mut done = 0;
+    for (mesh, transform) in &placed {
+        let begin = done as f32 / total;
+        done += work_of(&(*mesh, *transform));
+        progress.tell(begin).map_err(|Ended| AssetError::Ended { file: file.to_owned() })?;
+        reader.append_mesh(&mut whole, *mesh, *transform, progress.part(begin, done as f32 / total))?;
     }
     let mut warnings = reader.warnings;
     // A mesh that is shown many times has the same remarks each time.
@@ -141,6 +150,13 @@ fn placed_meshes(file: &Path, root: &Root) -> Result<Vec<(usize, Mat4)>, AssetEr
     Ok(placed)
 }
 
+/// How many vertices the document says a mesh has.
+fn vertex_count(root: &Root, mesh: &gltf::json::Mesh) -> u64 {
+    let positions = |primitive: &Primitive| Some(primitive.attributes.get(&Checked::Valid(Semantic::Positions))?.value());
+    let counts = mesh.primitives.iter().filter_map(|primitive| root.accessors.get(positions(primitive)?)).map(|a| a.count.0);
+    counts.fold(0, u64::saturating_add)
+}
+
 fn transform_of(node: &scene::Node) -> Mat4 {
     if let Some(matrix) = &node.matrix {
         return Mat4::from_cols_array(matrix);
@@ -162,7 +178,13 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// Adds all triangles of mesh `number` to `whole`, moved by `transform`.
-    fn append_mesh(&mut self, whole: &mut Mesh, number: usize, transform: Mat4) -> Result<(), AssetError> {
+    fn append_mesh(
+        &mut self,
+        whole: &mut Mesh,
+        number: usize,
+        transform: Mat4,
+        progress: Progress<'_>,
+    ) -> Result<(), AssetError> {
         let Some(mesh) = self.root.meshes.get(number) else {
             let problem = format!("expected a number below {}, found {number}", self.root.meshes.len());
             return Err(AssetError::malformed(self.file, "node.mesh", problem));
@@ -175,7 +197,7 @@ impl Reader<'_> {
                 return Err(AssetError::too_large(self.file, problem));
             }
             place_in_world(&mut part, transform);
-            let (part, notes) = part.complete();
+            let (part, notes) = part.complete_telling(progress);
             self.warnings.extend(notes.into_iter().map(|note| format!("{place}: {note}")));
             append(whole, part);
         }

@@ -18,9 +18,15 @@ pub use self::error::AssetError;
 use crate::environment::Environment;
 use crate::image::Image;
 use crate::mesh::{Model, Part, Role};
+use crate::progress::{Ended, Progress};
 
 /// Larger files are refused: they are read into memory as a whole.
 const MAX_FILE_BYTES: u64 = 2 << 30;
+
+/// Share of loading a mesh after which its file is read.
+const READ: f32 = 0.05;
+/// Share after which all parts of a glTF mesh have their tangents.
+const PARTS: f32 = 0.95;
 
 const MODEL_ENDINGS: &[&str] = &["gltf", "glb", "ply"];
 const ENVIRONMENT_ENDINGS: &[&str] = &["hdr", "exr"];
@@ -47,18 +53,26 @@ pub fn is_image_path(path: &Path) -> bool {
 /// Node transforms are applied; the mesh is complete (see [`Mesh::complete`](crate::Mesh::complete)). The unit is 1000 mm for glTF and
 /// unknown for PLY. An error if the file cannot be read, is damaged, or holds no triangle with an area.
 pub fn load_model(path: &Path) -> Result<(Model, Vec<String>), AssetError> {
+    load_model_with(path, Progress::NONE)
+}
+
+/// The same, telling how far it is, and ending with [`AssetError::Ended`] where nobody wants it any more.
+pub fn load_model_with(path: &Path, progress: Progress<'_>) -> Result<(Model, Vec<String>), AssetError> {
+    let ended = |Ended| AssetError::Ended { file: path.to_owned() };
     if !is_model_path(path) {
         return Err(AssetError::UnknownFormat { file: path.to_owned(), expected: ".gltf, .glb or .ply" });
     }
     let bytes = read_file(path)?;
+    progress.tell(READ).map_err(ended)?;
     let (mesh, mut warnings, unit_mm) = if has_ending(path, &["ply"]) {
         let (mesh, warnings) = ply::read(path, &bytes)?;
         (mesh, warnings, None)
     } else {
-        let (mesh, warnings) = gltf::read(path, &bytes)?;
+        let (mesh, warnings) = gltf::read(path, &bytes, progress.part(READ, PARTS))?;
         (mesh, warnings, Some(1000.0))
     };
-    let (mut mesh, notes) = mesh.complete();
+    progress.tell(PARTS).map_err(ended)?;
+    let (mut mesh, notes) = mesh.complete_telling(progress.part(PARTS, 1.0));
     warnings.extend(notes);
     if mesh.triangles.is_empty() {
         return Err(AssetError::Empty { file: path.to_owned(), expected: "at least one triangle with an area" });
