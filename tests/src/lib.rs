@@ -1,6 +1,7 @@
 //! What several tests need: cases, scenes, quadrature, the GPU.
 
 pub mod coverage;
+pub mod exchange;
 pub mod export_panel;
 pub mod gpu;
 pub mod library;
