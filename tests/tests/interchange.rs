@@ -28,7 +28,7 @@ fn there_and_back(folder: &Path, def: &FormatDef, materials: &[Material], is_bar
     let mut all = Vec::new();
     for (k, part) in materials.chunks(per_file).enumerate() {
         let path = folder.join(format!("{k}.{}", def.ending));
-        let sources: Vec<Source> = part.iter().map(|material| source(material)).collect();
+        let sources: Vec<Source> = part.iter().map(source).collect();
         let saved =
             save(&sources, &path, SaveOptions { is_bare, ..SaveOptions::default() }, &|_| true).expect("it can be written");
         let opened = open(&path).unwrap_or_else(|error| panic!("{error}"));
