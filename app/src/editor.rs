@@ -15,6 +15,8 @@ use std::sync::Arc;
 #[derive(Debug)]
 struct Origin {
     path: Option<PathBuf>,
+    /// The file of another format that it came from, as long as it has none of its own.
+    import: Option<PathBuf>,
     /// The text as opened. Every save starts from it, so that an edit taken back gives its spelling again, also after saves between.
     file: Arc<MaterialFile>,
     /// What the disk holds.
@@ -45,13 +47,19 @@ impl Document {
 
     /// A document as opened from a file or made from a preset's text.
     pub fn opened(opened: OpenedMaterial) -> Self {
-        Self::with_origin(opened.file, opened.path, opened.textures, opened.embedded)
+        let document = Self::with_origin(opened.file, opened.path, opened.textures, opened.embedded);
+        if opened.import.is_none() {
+            return document;
+        }
+        let Origin { file, saved, .. } = &*document.origin;
+        let origin = Arc::new(Origin { path: None, import: opened.import, file: file.clone(), saved: saved.clone() });
+        Self { origin, ..document }
     }
 
     fn with_origin(file: MaterialFile, path: Option<PathBuf>, textures: Arc<TextureSet>, embedded: Arc<Embedded>) -> Self {
         let material = file.material().clone();
         let file = Arc::new(file);
-        let origin = Arc::new(Origin { path, saved: file.clone(), file });
+        let origin = Arc::new(Origin { path, import: None, saved: file.clone(), file });
         Self { material, textures, embedded, origin, covers_unsaved: false }
     }
 
@@ -74,7 +82,7 @@ impl Document {
     pub fn without_path(mut self) -> Self {
         self.move_to_folder(None);
         let Origin { file, saved, .. } = &*self.origin;
-        self.origin = Arc::new(Origin { path: None, file: file.clone(), saved: saved.clone() });
+        self.origin = Arc::new(Origin { path: None, import: None, file: file.clone(), saved: saved.clone() });
         self
     }
 
@@ -106,6 +114,11 @@ impl Document {
     /// Where the document was opened from or saved to.
     pub fn path(&self) -> Option<&Path> {
         self.origin.path.as_deref()
+    }
+
+    /// The file of another format that it came from, as long as it has none of its own.
+    pub fn import(&self) -> Option<&Path> {
+        self.origin.import.as_deref()
     }
 
     /// The folder that relative texture paths start at.
@@ -145,7 +158,7 @@ impl Document {
 
     /// Records that `path` now holds `saved`.
     pub fn set_saved(&mut self, path: PathBuf, saved: MaterialFile) {
-        self.origin = Arc::new(Origin { path: Some(path), file: self.origin.file.clone(), saved: Arc::new(saved) });
+        self.origin = Arc::new(Origin { path: Some(path), import: None, file: self.origin.file.clone(), saved: Arc::new(saved) });
         self.covers_unsaved = false;
     }
 

@@ -31,6 +31,8 @@ pub const MATERIAL_EXTENSION: &str = "asm.ron";
 pub struct OpenedMaterial {
     /// Where it came from; `None` for a new material or a preset.
     pub path: Option<PathBuf>,
+    /// The file of another format that it came from.
+    pub import: Option<PathBuf>,
     /// The text with everything this version does not know.
     pub file: MaterialFile,
     /// Sentences for the user.
@@ -96,7 +98,14 @@ pub fn open_material(path: &Path) -> Result<OpenedMaterial, FilesError> {
     let mut warnings: Vec<String> = warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
     let (textures, missing) = load_textures(file.material(), path.parent());
     warnings.extend(missing);
-    Ok(OpenedMaterial { path: Some(path.to_path_buf()), file, warnings, textures: Arc::new(textures), embedded: Arc::default() })
+    Ok(OpenedMaterial {
+        path: Some(path.to_path_buf()),
+        import: None,
+        file,
+        warnings,
+        textures: Arc::new(textures),
+        embedded: Arc::default(),
+    })
 }
 
 /// Opens the material that a picture of ours was made from: a new document without a file, since the picture is not to be saved over. Also
@@ -133,5 +142,8 @@ pub fn open_embedded(path: &Path, job: Option<&PictureJob>) -> Result<(OpenedMat
             Err(error) => warnings.push(format!("{}: the value is used instead of the texture: {error}", path.display())),
         }
     }
-    Ok((OpenedMaterial { path: None, file, warnings, textures: Arc::new(textures), embedded: Arc::default() }, places))
+    Ok((
+        OpenedMaterial { path: None, import: None, file, warnings, textures: Arc::new(textures), embedded: Arc::default() },
+        places,
+    ))
 }

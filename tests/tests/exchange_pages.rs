@@ -4,6 +4,7 @@ use burnish::command::Command;
 use burnish_material::{Property, Value};
 use burnish_tests::export_panel::{errors, press_button, until};
 use burnish_tests::window::{Window, app, app_mut, set_document, settle, window_with};
+use egui::accesskit::Role;
 use egui::vec2;
 use egui_kittest::kittest::Queryable;
 use std::fs;
@@ -125,4 +126,23 @@ fn an_import_is_told_of_and_can_be_ended() {
     assert_eq!(app(&window).editor().document.material.name, "Two");
     let info = app(&window).messages().last_info();
     assert!(info.contains("1 material, ") && info.contains(" of 40 properties set"), "{info}");
+}
+
+#[test]
+fn every_material_of_a_file_gets_a_tab_that_nothing_takes_the_place_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, materials: &[&str]| {
+        let materials: Vec<String> = materials.iter().map(|name| format!(r#"{{"name":"{name}"}}"#)).collect();
+        let path = folder.path().join(name);
+        fs::write(&path, format!(r#"{{"asset":{{"version":"2.0"}},"materials":[{}]}}"#, materials.join(","))).expect("a file");
+        path
+    };
+    let mut window = window(Vec::new());
+    open(&mut window, &write("a.gltf", &["Body", "Lid", "Label"]));
+    open(&mut window, &write("b.gltf", &["Other"]));
+    for tab in ["Body", "Lid", "Label", "Other"] {
+        assert!(window.query_by_role_and_label(Role::Tab, tab).is_some(), "{tab}");
+    }
+    assert!(window.query_by_role_and_label(Role::Tab, "New material").is_none(), "it was untouched");
+    assert_eq!(app(&window).editor().document.import(), Some(folder.path().join("b.gltf").as_path()));
 }

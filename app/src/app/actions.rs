@@ -18,6 +18,7 @@ use burnish_assets::{BACKDROPS, ENVIRONMENTS, SHAPES};
 use burnish_material::Slot;
 use burnish_renderer::stability::Fix;
 use egui::{Context, FocusDirection, Key, Modifiers, ViewportCommand};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A third of a stop.
@@ -357,7 +358,9 @@ impl App {
         }
         let document = &self.editor.document;
         let mark = if document.is_modified() { " •" } else { "" };
-        let title = format!("{}{mark} — Burnish", document.title());
+        let import = document.import().and_then(Path::file_name);
+        let import = import.map_or_else(String::new, |name| format!(" ({})", name.to_string_lossy()));
+        let title = format!("{}{import}{mark} — Burnish", document.title());
         if title != self.title {
             ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;

@@ -26,7 +26,7 @@ impl App {
             Purpose::SaveNotes => "changes.md".to_owned(),
             _ => String::new(),
         };
-        let folder = document.folder().map(Path::to_path_buf);
+        let folder = document.folder().or(document.import().and_then(Path::parent)).map(Path::to_path_buf);
         self.dialogs.ask(Question { purpose, folder, file_name }, ctx);
     }
 

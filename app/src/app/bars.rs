@@ -113,7 +113,11 @@ impl App {
             .tabs
             .documents(&self.editor.document)
             .map(|(_, document)| {
-                let place = document.path().map_or_else(|| "not saved yet".into(), |path| path.display().to_string());
+                let place = match (document.path(), document.import()) {
+                    (Some(path), _) => path.display().to_string(),
+                    (None, Some(path)) => format!("of {}, not saved yet", path.display()),
+                    (None, None) => "not saved yet".into(),
+                };
                 (document.title(), document.is_modified(), place)
             })
             .collect();

@@ -24,8 +24,14 @@ impl App {
     pub fn load_preset(&mut self, preset: &'static Preset, ctx: &Context) {
         match preset.parse() {
             Ok((file, _)) => {
-                let opened =
-                    OpenedMaterial { path: None, file, warnings: Vec::new(), textures: Arc::default(), embedded: Arc::default() };
+                let opened = OpenedMaterial {
+                    path: None,
+                    import: None,
+                    file,
+                    warnings: Vec::new(),
+                    textures: Arc::default(),
+                    embedded: Arc::default(),
+                };
                 self.history.settle();
                 self.editor.document = self.editor.document.replaced_by(Document::opened(opened));
                 self.history.commit(format!("Load preset {}", preset.name), &self.editor.document);
@@ -41,8 +47,14 @@ impl App {
 
     /// A new material that begins with what a file holds, in a tab of its own.
     pub(super) fn open_new(&mut self, file: MaterialFile) {
-        let opened =
-            OpenedMaterial { path: None, file, warnings: Vec::new(), textures: Arc::default(), embedded: Arc::default() };
+        let opened = OpenedMaterial {
+            path: None,
+            import: None,
+            file,
+            warnings: Vec::new(),
+            textures: Arc::default(),
+            embedded: Arc::default(),
+        };
         self.open_document(Document::opened(opened));
     }
 
@@ -53,7 +65,7 @@ impl App {
         self.messages.info("New material: every property has its default.");
     }
 
-    /// Brings a document to the front; it opens anew where nothing was done in the one that is there.
+    /// Brings a document to the front, in the place of one that is still new and untouched.
     pub(super) fn open_document(&mut self, document: Document) {
         let here = document.path();
         let known = self
@@ -61,13 +73,17 @@ impl App {
             .documents(&self.editor.document)
             .position(|(_, other)| here.is_some() && other.path() == here && !other.is_modified());
         let work = Work::new(document);
-        let is_blank = self.editor.document.path().is_none() && self.history.labels().count() == 1 && !self.history.is_pending();
+        let in_front = &self.editor.document;
+        let is_blank = in_front.path().is_none()
+            && in_front.material == self.new_document().material
+            && self.history.labels().count() == 1
+            && !self.history.is_pending();
         self.with_front(|tabs, front| match known {
             Some(place) => {
                 tabs.bring_to_front(place, front);
                 *front = work;
             }
-            None if is_blank && !front.document.is_modified() => *front = work,
+            None if is_blank => *front = work,
             None => tabs.open(front, work),
         });
     }

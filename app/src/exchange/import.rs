@@ -54,6 +54,7 @@ pub fn import(path: &Path, progress: Progress<'_>) -> Result<Import, ExchangeErr
     }
     let mut materials: Vec<OpenedMaterial> = opened.into_iter().map(|opened| opened.apart(&textures)).collect();
     for material in &mut materials {
+        material.import = Some(path.to_path_buf());
         let name = &material.file.material().name;
         notes.extend(material.warnings.drain(..).map(|note| format!("{}: {name}: {note}", path.display())));
     }

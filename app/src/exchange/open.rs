@@ -69,7 +69,14 @@ impl Opened {
             Ok((file, _)) => file,
             Err(_) => MaterialFile::new(&material),
         };
-        OpenedMaterial { path: None, file, warnings: self.notes, textures: Arc::new(textures), embedded: Arc::new(self.embedded) }
+        OpenedMaterial {
+            path: None,
+            import: None,
+            file,
+            warnings: self.notes,
+            textures: Arc::new(textures),
+            embedded: Arc::new(self.embedded),
+        }
     }
 
     /// Its images, decoded, and a sentence for each that cannot be read.
