@@ -7,6 +7,7 @@ mod import;
 pub mod measure;
 mod mesh;
 pub mod open;
+mod own_text;
 pub mod save;
 
 pub use error::ExchangeError;

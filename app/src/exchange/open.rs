@@ -1,7 +1,7 @@
 //! The way in: a file of any format to its materials, with the images that it holds.
 
-use super::Format;
 use super::error::{ExchangeError, Fault};
+use super::{Format, own_text};
 use crate::files::{self, Embedded, OpenedMaterial};
 use burnish_assets::{BuiltInTexture, Ended, Progress};
 use burnish_material::exchange::{gltf, materialx, mdl, usd};
@@ -36,11 +36,10 @@ impl Opened {
                 notes.push(format!("{}: the image `{}`: {expected}; not used", def.name, texture.path));
             }
         }
-        let material = &material;
         let names = || material.slots().filter_map(|(_, slot)| slot.texture.as_ref()).map(|texture| texture.path.as_str());
         let embedded = embedded.iter().filter(|(path, _)| names().any(|name| name == path.as_str()));
         let embedded = embedded.map(|(path, bytes)| (path.clone(), bytes.clone())).collect();
-        Self { file: MaterialFile::new(material), folder: folder.map(Path::to_path_buf), embedded, notes }
+        Self { file: own_text::take(material), folder: folder.map(Path::to_path_buf), embedded, notes }
     }
 
     /// The same for a document that no file holds yet: images beside the file are named by their whole paths.

@@ -3,7 +3,7 @@
 use super::bake::bake;
 use super::error::{ExchangeError, Fault};
 use super::open::is_inside;
-use super::{Format, FormatDef};
+use super::{Format, FormatDef, own_text};
 use crate::export::rgba_png;
 use crate::files::{self, Embedded, save_atomic};
 use burnish_assets::{Image, Mesh};
@@ -54,6 +54,9 @@ impl Source {
                 portable.textures.insert(name.clone(), image.clone());
             }
             texture.path = name;
+        }
+        if let Some(file) = &portable.file {
+            own_text::put(&mut portable.material, file);
         }
         portable
     }

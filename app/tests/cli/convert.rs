@@ -59,6 +59,39 @@ fn every_format_gives_back_the_same_material() {
 }
 
 #[test]
+fn comments_and_unknown_keys_come_back_too() {
+    let place = Place::new();
+    let text = r#"// Measured on a rainy day.
+{
+    "asm": "4.0",
+    "name": "Commented",
+    "properties": {
+        "roughness": 0.250, // as the spectrometer prints it
+        "sources": { "roughness": "lab" },
+        "shininess": 12,
+    },
+    "studio": { "shelf": 7 },
+}
+"#;
+    place.write("commented.asm.ron", text);
+    for format in FORMATS {
+        let there = format!("commented.{format}");
+        for pair in [["commented.asm.ron", &there], [&there, "back.asm.ron"]] {
+            let run = place.run(&["convert", pair[0], pair[1]]);
+            assert_eq!(run.code, Some(0), "{format}: {}", run.err);
+        }
+        assert_eq!(fs::read_to_string(place.path("back.asm.ron")).unwrap(), text, "{format}");
+    }
+    // What another program changed stands in the text that was taken along.
+    let gltf = fs::read_to_string(place.path("commented.gltf")).unwrap();
+    let place_of = gltf.find("\"roughnessFactor\"").expect("a factor") + "\"roughnessFactor\":".len();
+    let end = place_of + gltf[place_of..].find([',', '}']).unwrap();
+    place.write("edited.gltf", &format!("{}0.75{}", &gltf[..place_of], &gltf[end..]));
+    assert_eq!(place.run(&["convert", "edited.gltf", "back.asm.ron"]).code, Some(0));
+    assert_eq!(fs::read_to_string(place.path("back.asm.ron")).unwrap(), text.replace("0.250,", "0.75,"));
+}
+
+#[test]
 fn images_come_along_and_are_computed_where_nothing_else_serves() {
     let place = Place::new();
     let grey: Vec<u8> = (0..64).map(|k| k * 4).collect();
