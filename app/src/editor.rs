@@ -47,13 +47,7 @@ impl Document {
 
     /// A document as opened from a file or made from a preset's text.
     pub fn opened(opened: OpenedMaterial) -> Self {
-        let document = Self::with_origin(opened.file, opened.path, opened.textures, opened.embedded);
-        if opened.import.is_none() {
-            return document;
-        }
-        let Origin { file, saved, .. } = &*document.origin;
-        let origin = Arc::new(Origin { path: None, import: opened.import, file: file.clone(), saved: saved.clone() });
-        Self { origin, ..document }
+        Self::with_origin(opened.file, opened.path, opened.textures, opened.embedded).imported(opened.import)
     }
 
     fn with_origin(file: MaterialFile, path: Option<PathBuf>, textures: Arc<TextureSet>, embedded: Arc<Embedded>) -> Self {
@@ -89,6 +83,20 @@ impl Document {
     /// A document that was being edited when its program ended: what it held then, over what its file held.
     pub fn recovered(original: MaterialFile, path: Option<PathBuf>, material: Material, textures: Arc<TextureSet>) -> Self {
         Self { material, ..Self::with_origin(original, path, textures, Arc::default()) }
+    }
+
+    /// The same as a document that came from this file of another format.
+    #[must_use]
+    pub fn imported(mut self, import: Option<PathBuf>) -> Self {
+        let Origin { path, file, saved, .. } = &*self.origin;
+        self.origin = Arc::new(Origin { path: path.clone(), import, file: file.clone(), saved: saved.clone() });
+        self
+    }
+
+    /// Takes images that lie in no file of their own, and what they decode to.
+    pub fn add_embedded(&mut self, embedded: Embedded, textures: TextureSet) {
+        Arc::make_mut(&mut self.embedded).extend(embedded);
+        Arc::make_mut(&mut self.textures).extend(textures);
     }
 
     /// The file with its text as opened.

@@ -1,8 +1,8 @@
 //! Files and built-in scenes, read and made in the background. The window only collects what is finished.
 
 use crate::background::Control;
-use crate::exchange::{Import, import, load_mesh};
-use crate::files::{self, OpenedMaterial};
+use crate::exchange::{Import, import, imported_images, load_mesh};
+use crate::files::{self, Embedded, OpenedMaterial};
 use crate::picture_file::embedded_job;
 use crate::texture_set;
 use crate::work::{Ends, Work};
@@ -33,6 +33,8 @@ pub enum Job {
     Apply(u64, PathBuf),
     /// The images that a material names, relative to a folder.
     Textures(u64, Box<Material>, Option<PathBuf>),
+    /// The images inside of a file of another format, for a document that came from it.
+    ImportedImages(u64, PathBuf),
     /// An image for one property.
     Texture(u64, Property, PathBuf),
     /// A map of a built-in texture for one property, by its path.
@@ -75,6 +77,8 @@ pub enum Loaded {
     Import(Vec<OpenedMaterial>, Option<Box<ModelMeshes>>),
     /// Images for a document.
     Textures(TextureSet),
+    /// Images for a document that lie in no file of their own.
+    ImportedImages(Embedded, TextureSet),
     /// An image.
     Texture(Arc<Image>),
     /// Images for many properties.
@@ -120,6 +124,7 @@ impl Job {
             Self::Material(path)
             | Self::Import(path)
             | Self::Picture(path)
+            | Self::ImportedImages(_, path)
             | Self::Reload(_, path)
             | Self::Compare(_, path)
             | Self::Apply(_, path)
@@ -157,6 +162,12 @@ impl Job {
                 warnings = missing;
                 Ok(Loaded::Textures(textures))
             }
+            Self::ImportedImages(_, path) => imported_images(path, progress)
+                .map(|(embedded, textures, missing)| {
+                    warnings = missing;
+                    Loaded::ImportedImages(embedded, textures)
+                })
+                .map_err(|error| error.to_string()),
             Self::Texture(_, _, path) | Self::Image(_, _, path) => image(path).map(Loaded::Texture),
             Self::BuiltInTexture(_, _, path) => files::make_built_in_texture(path).map(|image| Loaded::Texture(Arc::new(image))),
             Self::Reference(path) => image(path).map(Loaded::Reference),

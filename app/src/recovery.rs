@@ -33,6 +33,8 @@ pub struct Kept {
     pub id: u64,
     /// Its file, if it has one. One whose name is not Unicode comes back without it: RON has no way to write that.
     pub path: Option<PathBuf>,
+    /// The file of another format that it came from, with the images that it brought along. One whose name is not Unicode is forgotten.
+    pub import: Option<PathBuf>,
     /// What the user calls it.
     pub title: String,
     /// The material file as it would be saved now.
@@ -49,6 +51,8 @@ struct Stored {
     /// Seconds since 1970.
     when: u64,
     path: Option<String>,
+    #[serde(default)]
+    import: Option<String>,
     title: String,
     text: String,
     original: String,
@@ -56,9 +60,11 @@ struct Stored {
 
 impl Kept {
     fn to_ron(&self) -> Result<String, ron::Error> {
+        let text_of = |path: &Option<PathBuf>| path.as_ref().and_then(|path| path.to_str()).map(str::to_owned);
         let stored = Stored {
             when: self.when.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs(),
-            path: self.path.as_ref().and_then(|path| path.to_str()).map(str::to_owned),
+            path: text_of(&self.path),
+            import: text_of(&self.import),
             title: self.title.clone(),
             text: self.text.clone(),
             original: self.original.clone(),
@@ -70,13 +76,14 @@ impl Kept {
     fn from_ron(id: u64, text: &str) -> Result<Self, String> {
         let stored: Stored = ron::from_str(text).map_err(|error| format!("expected an unsaved document: {error}"))?;
         let when = UNIX_EPOCH.checked_add(Duration::from_secs(stored.when)).unwrap_or(UNIX_EPOCH);
-        let path = stored.path.map(PathBuf::from);
-        Ok(Self { id, path, title: stored.title, text: stored.text, original: stored.original, when })
+        let [path, import] = [stored.path, stored.import].map(|path| path.map(PathBuf::from));
+        Ok(Self { id, path, import, title: stored.title, text: stored.text, original: stored.original, when })
     }
 
     /// Whether both would be restored to the same, but for the time.
     fn is_like(&self, other: &Self) -> bool {
-        (&self.path, &self.title, &self.text, &self.original) == (&other.path, &other.title, &other.text, &other.original)
+        let places = (&self.path, &self.import) == (&other.path, &other.import);
+        places && (&self.title, &self.text, &self.original) == (&other.title, &other.text, &other.original)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The window and other formats: the material in front is exported from a page that tells what it costs, and comes back with the mesh.
 
 use burnish::command::Command;
+use burnish::places::Places;
 use burnish_material::{Property, Value};
 use burnish_tests::export_panel::{errors, press_button, until};
 use burnish_tests::window::{Window, app, app_mut, set_document, settle, window_with};
@@ -145,4 +146,41 @@ fn every_material_of_a_file_gets_a_tab_that_nothing_takes_the_place_of() {
     }
     assert!(window.query_by_role_and_label(Role::Tab, "New material").is_none(), "it was untouched");
     assert_eq!(app(&window).editor().document.import(), Some(folder.path().join("b.gltf").as_path()));
+}
+
+#[test]
+fn images_inside_of_a_file_survive_a_crash() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("map.gltf");
+    let image = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNoAAAAggCBd81ytgAAAABJRU5ErkJggg==";
+    let text = format!(
+        r#"{{"asset":{{"version":"2.0"}},"images":[{{"uri":"data:image/png;base64,{image}"}}],"textures":[{{"source":0}}],
+            "materials":[{{"name":"Map","pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}]}}"#
+    );
+    fs::write(&path, text).expect("a file");
+    let state = folder.path().to_path_buf();
+    let window = || {
+        window_with(vec2(1280.0, 1000.0), Vec::new(), {
+            let state = state.clone();
+            let places = |folder: &Path| Places { config: None, state: Some(folder.to_path_buf()), cache: None };
+            move |app, ctx| app.keep_in(places(&state), ctx)
+        })
+    };
+    let mut first = window();
+    open(&mut first, &path);
+    set_document(&mut first, |material| _ = material.set(Property::coat, Value::Float(0.5)));
+    until(&mut first, "a copy on disk", |_| {
+        fs::read_dir(state.join("recovery")).is_ok_and(|mut processes| {
+            processes.any(|process| fs::read_dir(process.expect("a folder").path()).is_ok_and(|files| files.count() > 1))
+        })
+    });
+    drop(first);
+    let mut second = window();
+    second.get_by_label("Bring back").click();
+    second.run_steps(2);
+    until(&mut second, "the image", |app| app.editor().document.textures.len() == 1);
+    assert_eq!(errors(&second), [""; 0]);
+    let document = &app(&second).editor().document;
+    assert_eq!((document.embedded().count(), document.import()), (1, Some(path.as_path())));
+    assert!(document.is_modified() && document.material.float(Property::coat) == 0.5);
 }

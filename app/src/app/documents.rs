@@ -3,7 +3,7 @@
 use super::App;
 use super::pages::{Answer, question};
 use crate::editor::Document;
-use crate::files::OpenedMaterial;
+use crate::files::{self, OpenedMaterial};
 use crate::loading::Job;
 use crate::tabs::Work;
 use burnish_material::MaterialFile;
@@ -170,9 +170,19 @@ impl App {
         match parsed {
             Ok((now, original)) => {
                 let document = Document::recovered(original, kept.path.clone(), now.material().clone(), Arc::default());
-                let (material, folder) = (document.material.clone(), document.folder().map(Path::to_path_buf));
+                let document = document.imported(kept.import.clone());
+                let (mut material, folder) = (document.material.clone(), document.folder().map(Path::to_path_buf));
+                // Images with relative names stand in the imported file, not beside it.
+                let is_inside = |path: &str| files::texture_path(path, None).is_some_and(|path| path.is_relative());
+                for def in burnish_material::PROPERTIES.iter().filter(|_| kept.import.is_some()) {
+                    _ = material.slot_mut(def.id).texture.take_if(|texture| is_inside(&texture.path));
+                }
                 self.open_document(document);
-                self.loader.start(Job::Textures(self.tabs.front_id(), Box::new(material), folder), ctx);
+                let id = self.tabs.front_id();
+                self.loader.start(Job::Textures(id, Box::new(material), folder), ctx);
+                if let Some(import) = &kept.import {
+                    self.loader.start(Job::ImportedImages(id, import.clone()), ctx);
+                }
             }
             Err(error) => self.messages.error(format!("“{}” cannot be brought back: {error}", kept.title)),
         }

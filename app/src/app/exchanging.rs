@@ -82,7 +82,7 @@ impl App {
             file: Some(document.file_shared()),
             folder: document.folder().map(PathBuf::from),
             textures: (*document.textures).clone(),
-            embedded: Default::default(),
+            embedded: document.embedded().map(|(path, bytes)| (path.clone(), bytes.clone())).collect(),
         };
         let model = self.editor.model.as_ref().filter(|_| self.exchanging.page.has_mesh);
         let mesh = model.and_then(|model| {

@@ -239,6 +239,7 @@ impl App {
             .map(|(id, document)| Kept {
                 id,
                 path: document.path().map(Path::to_path_buf),
+                import: document.import().map(Path::to_path_buf),
                 title: document.title(),
                 text: document.file().to_text(&document.material),
                 original: document.saved().text().to_owned(),

@@ -77,6 +77,9 @@ impl App {
             (Job::Textures(id, ..), Ok(Loaded::Textures(textures))) => {
                 self.edit_document(id, None, |document| Arc::make_mut(&mut document.textures).extend(textures));
             }
+            (Job::ImportedImages(id, _), Ok(Loaded::ImportedImages(embedded, textures))) => {
+                self.edit_document(id, None, |document| document.add_embedded(embedded, textures));
+            }
             (Job::Texture(id, property, path), Ok(Loaded::Texture(image))) => {
                 let label = format!("{} map {}", property.def().label, path.display());
                 self.edit_document(id, Some(&label), |document| {

@@ -3,11 +3,13 @@
 use super::mesh::{load_mesh, usd_model};
 use super::open::{self, Opened};
 use super::{ExchangeError, Format};
-use crate::files::OpenedMaterial;
+use crate::files::{Embedded, OpenedMaterial};
 use burnish_assets::{Model, Progress};
+use burnish_renderer::scene::TextureSet;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Share of an import after which the text of the file is read.
 const READ: f32 = 0.1;
@@ -63,6 +65,20 @@ pub fn import(path: &Path, progress: Progress<'_>) -> Result<Import, ExchangeErr
         model
     });
     Ok(Import { materials, model, notes })
+}
+
+/// The images that stand inside of a file of another format, as whole files and decoded, and a sentence for each that cannot be read.
+pub fn imported_images(path: &Path, progress: Progress<'_>) -> Result<(Embedded, TextureSet, Vec<String>), ExchangeError> {
+    let embedded: Embedded = open::read(path)?.0.into_iter().flat_map(|opened| opened.embedded).collect();
+    let (mut textures, mut problems) = (TextureSet::new(), Vec::new());
+    for (k, (name, bytes)) in embedded.iter().enumerate() {
+        progress.tell_count(k, embedded.len())?;
+        match burnish_assets::decode_image(Path::new(name), bytes) {
+            Ok(image) => _ = textures.insert(name.clone(), Arc::new(image)),
+            Err(error) => problems.push(error.to_string()),
+        }
+    }
+    Ok((embedded, textures, problems))
 }
 
 /// How much of what comes after reading the text goes into images, 0 to 1.

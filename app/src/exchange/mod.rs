@@ -11,7 +11,7 @@ mod own_text;
 pub mod save;
 
 pub use error::ExchangeError;
-pub use import::{Import, import};
+pub use import::{Import, import, imported_images};
 pub use mesh::{is_mesh_path, load_mesh};
 
 use burnish_material::Material;

@@ -11,7 +11,7 @@ const DOCUMENTS: u64 = 3;
 fn kept(id: u64, text: &str) -> Kept {
     let when = UNIX_EPOCH + Duration::from_secs(1_700_000_000 + id);
     let path = Some(PathBuf::from(format!("/materials/{id}.asm.ron")));
-    Kept { id, path, title: format!("Document {id}"), text: text.to_owned(), original: "{}".to_owned(), when }
+    Kept { id, path, import: None, title: format!("Document {id}"), text: text.to_owned(), original: "{}".to_owned(), when }
 }
 
 /// Names below the recovery folder.
