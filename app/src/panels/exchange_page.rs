@@ -5,7 +5,7 @@ use crate::exchange::{FORMATS, Format, rows};
 use crate::theme;
 use burnish_material::exchange::loss::{Fate, Row};
 use burnish_material::{Material, Property};
-use egui::{ComboBox, ProgressBar, RichText, ScrollArea, Ui};
+use egui::{Align, ComboBox, Label, Layout, ProgressBar, RichText, ScrollArea, Ui, vec2};
 
 /// What the page asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,14 +93,12 @@ impl ExchangePage {
             }
             for row in shown {
                 ui.horizontal_top(|ui| {
-                    let height = ui.spacing().interact_size.y;
-                    ui.add_sized([150.0, height], egui::Label::new(row.property.def().label).truncate().halign(egui::Align::Min));
-                    let fate = RichText::new(row.fate.word()).color(fate_color(row.fate));
-                    ui.add_sized([100.0, height], egui::Label::new(fate).halign(egui::Align::Min));
+                    cell(ui, 150.0, Label::new(row.property.def().label).truncate());
+                    cell(ui, 100.0, Label::new(RichText::new(row.fate.word()).color(fate_color(row.fate))));
                     ui.vertical(|ui| {
-                        ui.add(egui::Label::new(&row.note).wrap());
+                        ui.add(Label::new(&row.note).wrap());
                         if !row.target.is_empty() {
-                            ui.add(egui::Label::new(RichText::new(&row.target).small().weak()).wrap());
+                            ui.add(Label::new(RichText::new(&row.target).small().weak()).wrap());
                         }
                     });
                 });
@@ -136,6 +134,15 @@ impl ExchangePage {
         let of = |fate: Fate| self.rows.iter().filter(|row| row.fate == fate).count();
         Fate::ALL.iter().map(|(fate, word)| format!("{} {word}", of(*fate))).collect::<Vec<_>>().join(", ")
     }
+}
+
+/// A label at the left of its column.
+fn cell(ui: &mut Ui, width: f32, label: Label) {
+    let size = vec2(width, ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_width(width);
+        ui.add(label);
+    });
 }
 
 /// What the pictures told, in a sentence.
