@@ -80,7 +80,7 @@ commands! {
     SavePng, "file.png", File, true, "Save picture as PNG…", "Display-referred sRGB: exposure and display transform are applied.", [NONE P, CTRL P];
     SaveExr, "file.exr", File, false, "Save picture as EXR…", "Linear Rec.709 radiance: neither exposure nor display transform is applied.", [CTRL_SHIFT P];
     ContactSheet, "file.sheet", File, true, "Contact sheet…", "All materials of the open library on one page or in one picture.", [];
-    ExportPack, "file.pack", File, false, "Export pack…", "The open library as a folder to hand out: materials, images, contact sheet, licences, check.", [];
+    ExportPack, "file.pack", File, false, "Export pack…", "The open library as a folder to hand out: materials, images, USD, MaterialX, glTF, contact sheet, licences, check.", [];
     RenderPicture, "file.render", File, false, "Render picture…", "Choose a file and render into it, as the Export panel says, in the background.", [NONE F12];
     RenderTurntable, "file.turntable", File, false, "Render turntable", "Render the frames around the object that the Export panel sets, in the background.", [CTRL F12];
     StopRendering, "file.stop_rendering", File, false, "Stop rendering", "End the picture or turntable in the background; a turntable goes on from there later.", [];

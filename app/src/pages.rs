@@ -19,6 +19,8 @@ pub enum Page {
     Measured,
     /// The material in another program's format, and what that costs.
     Exchange,
+    /// A pack of the library, and the formats in it.
+    Pack,
     /// What the user prefers.
     Preferences,
     /// Keys and mouse.

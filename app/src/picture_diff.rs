@@ -45,27 +45,46 @@ pub fn draw(
     tell: &mut dyn FnMut(f32),
     is_cancelled: &dyn Fn() -> bool,
 ) -> Option<PictureDiff> {
+    let mut last = None;
+    let mut one =
+        |number: usize| picture(scenes[number], &mut last, drawing, &mut |share| tell((number as f32 + share) / 2.0), is_cancelled);
+    let pictures = [one(0)?, one(1)?];
+    let width = drawing.size[0];
+    let errors = flip(&pictures[0], &pictures[1], width);
+    Some(PictureDiff { width, map: heatmap(&errors, width), pictures, mean: mean(&errors) })
+}
+
+/// Draws a scene: display-referred, row by row from the top. What it shares with `last` is taken from there; it becomes that scene. `tell` hears the
+/// share that is done, 0 to 1. `None` if it is cancelled.
+pub fn picture(
+    scene: &Scene,
+    last: &mut Option<Prepared>,
+    drawing: &Drawing,
+    tell: &mut dyn FnMut(f32),
+    is_cancelled: &dyn Fn() -> bool,
+) -> Option<Vec<[f32; 3]>> {
     let [width, height] = drawing.size;
     let stop = StopRules { spp: None, seconds: Some(drawing.seconds), relmse: Some(RELMSE) };
     let settings = Settings { width, height, seed: drawing.seed, threads: drawing.threads.max(1), stop, is_adaptive: true };
-    let mut last: Option<Prepared> = None;
-    let mut picture = |number: usize| {
-        let start = Instant::now();
-        let prepared = &*last.insert(Prepared::new(scenes[number], last.as_ref()));
-        let rendering = render_prepared(prepared, &settings, start, &mut |progress| {
-            // The squared error falls with the number of samples.
-            let by_error = progress.error.map_or(0.0, |error| RELMSE / error.relmse.max(RELMSE));
-            let share = by_error.max(progress.seconds / drawing.seconds).clamp(0.0, 1.0);
-            tell(((number as f64 + share) / 2.0) as f32);
-            !is_cancelled()
-        });
-        let shown = || rendering.film.mean().iter().map(|rgb| drawing.display.apply(*rgb)).collect::<Vec<_>>();
-        (rendering.stop_reason != StopReason::Cancelled && !is_cancelled()).then(shown)
-    };
-    let pictures = [picture(0)?, picture(1)?];
-    let errors = flip(&pictures[0], &pictures[1], width);
-    let mean = errors.iter().map(|error| f64::from(*error)).sum::<f64>() / errors.len().max(1) as f64;
-    Some(PictureDiff { width, map: heatmap(&errors, width), pictures, mean })
+    let start = Instant::now();
+    let prepared = &*last.insert(Prepared::new(scene, last.as_ref()));
+    let rendering = render_prepared(prepared, &settings, start, &mut |progress| {
+        // The squared error falls with the number of samples.
+        let by_error = progress.error.map_or(0.0, |error| RELMSE / error.relmse.max(RELMSE));
+        tell(by_error.max(progress.seconds / drawing.seconds).clamp(0.0, 1.0) as f32);
+        !is_cancelled()
+    });
+    let shown = || rendering.film.mean().iter().map(|rgb| drawing.display.apply(*rgb)).collect();
+    (rendering.stop_reason != StopReason::Cancelled && !is_cancelled()).then(shown)
+}
+
+/// Mean of FLIP between two pictures of `width` columns, 0 to 1.
+pub fn mean_flip(a: &[[f32; 3]], b: &[[f32; 3]], width: usize) -> f64 {
+    mean(&flip(a, b, width))
+}
+
+fn mean(errors: &[f32]) -> f64 {
+    errors.iter().map(|error| f64::from(*error)).sum::<f64>() / errors.len().max(1) as f64
 }
 
 impl PictureDiff {

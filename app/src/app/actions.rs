@@ -141,7 +141,7 @@ impl App {
             Command::SavePng => self.ask(Purpose::SavePng, ctx),
             Command::SaveExr => self.ask(Purpose::SaveExr, ctx),
             Command::ContactSheet => self.ask(Purpose::SaveSheet, ctx),
-            Command::ExportPack => self.ask(Purpose::SavePack, ctx),
+            Command::ExportPack => self.pages.open(Page::Pack),
             Command::ExportMaterial => self.open_exchange(),
             Command::RenderPicture => {
                 self.show_export(Kind::Picture);

@@ -3,11 +3,22 @@
 use super::App;
 use crate::dialogs::Purpose;
 use crate::library::export::Product;
+use crate::panels::pack_page;
 use crate::work::{Ends, Work};
-use egui::Context;
+use egui::{Context, Ui};
 use std::path::{Path, PathBuf};
 
 impl App {
+    /// The page before a pack; whether it stays open.
+    pub(super) fn pack_page(&mut self, ui: &mut Ui) -> bool {
+        let is_asked = pack_page::show(ui, &mut self.library_work.formats);
+        if is_asked {
+            let ctx = ui.ctx().clone();
+            self.ask(Purpose::SavePack, &ctx);
+        }
+        !is_asked
+    }
+
     /// The name to propose for a sheet or pack of the open library.
     pub(super) fn hand_out_name(&self, purpose: Purpose) -> String {
         let name = self.library().and_then(|library| library.root().file_name()).unwrap_or_default().to_string_lossy();
@@ -22,7 +33,7 @@ impl App {
         let product = match purpose {
             Purpose::SaveSheet if has_ending(&path, &["html", "htm", "png"]) => Product::Sheet(path),
             Purpose::SaveSheet => Product::Sheet(PathBuf::from(format!("{}.html", path.display()))),
-            _ => Product::Pack(path),
+            _ => Product::Pack(path, self.library_work.formats),
         };
         // What is edited comes first, so not on all threads.
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get().div_ceil(2));

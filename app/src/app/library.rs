@@ -8,6 +8,7 @@ use crate::files;
 use crate::library::Library;
 use crate::library::edit::{self, BatchEdit, Planned};
 use crate::library::export::Outcome;
+use crate::library::pack::Formats;
 use crate::loading::Job;
 use crate::own_files;
 use crate::pages::Page;
@@ -53,6 +54,8 @@ pub(super) struct LibraryWork {
     measured: MeasuredPage,
     /// The contact sheet or pack that is being made.
     pub(super) export: Background<Outcome>,
+    /// In which other formats the next pack is written, too.
+    pub(super) formats: Formats,
 }
 
 impl LibraryWork {

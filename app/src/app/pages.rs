@@ -40,6 +40,11 @@ impl App {
                 let is_open = framed(ctx, "Export material", [640.0, 460.0], |ui| stays = self.exchange_page(ui));
                 self.close_unless(is_open && stays && !self.is_escaped(ctx));
             }
+            Page::Pack => {
+                let mut stays = true;
+                let is_open = framed(ctx, "Export pack", [420.0, 190.0], |ui| stays = self.pack_page(ui));
+                self.close_unless(is_open && stays && !self.is_escaped(ctx));
+            }
             Page::Preferences => {
                 let is_open = framed(ctx, "Preferences", [520.0, 560.0], |ui| {
                     preferences::show(ui, &mut self.preferences, &mut self.keymap, &mut self.pages.recording);

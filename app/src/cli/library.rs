@@ -48,7 +48,7 @@ enum Action {
         size.value_name("SIDE|WxH").value_parser(making::picture_size).help("Size of the pictures in pixels [default: 256]")
     }))]
     Sheet(Box<sheet::SheetArguments>),
-    /// Packs the materials in a folder and below to hand them out: with their images, a contact sheet, licences and the report of a check
+    /// Packs the materials in a folder and below to hand them out: with their images, as USD, MaterialX and glTF, a contact sheet, licences and the report of a check
     #[command(mut_arg("size", |size| {
         size.value_name("SIDE|WxH").value_parser(making::picture_size).help("Size of the pictures in pixels [default: 256]")
     }))]

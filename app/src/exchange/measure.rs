@@ -2,7 +2,7 @@
 
 use super::bake::bake;
 use crate::library::setup::Setup;
-use crate::picture_diff::{self, Drawing};
+use crate::picture_diff::{self, Drawing, mean_flip};
 use burnish_assets::Image;
 use burnish_material::exchange::ShadingModel;
 use burnish_material::exchange::loss::{Fate, Row};
@@ -42,6 +42,26 @@ impl Measured {
     }
 }
 
+/// Properties that a picture can show the loss of, those that are said to lose most first.
+pub fn suspects(before: &Material, after: &Material, rows: &[Row]) -> Vec<Property> {
+    let differs = |row: &&Row| before.slot(row.property) != after.slot(row.property);
+    let is_suspect = |row: &&Row| row.fate > Fate::Remapped && row.has_effect && differs(row);
+    let mut suspects: Vec<&Row> = rows.iter().filter(is_suspect).collect();
+    suspects.sort_by_key(|row| std::cmp::Reverse(row.fate));
+    suspects.truncate(MAX_TRIED);
+    suspects.into_iter().map(|row| row.property).collect()
+}
+
+/// The material before with one property from after.
+pub fn with_one(before: Shown<'_>, after: Shown<'_>, property: Property) -> (Material, TextureSet) {
+    let mut changed = before.material.clone();
+    *changed.slot_mut(property) = after.material.slot(property).clone();
+    // Images of both: the slot may name either's.
+    let mut textures = before.textures.clone();
+    textures.extend(after.textures.iter().map(|(name, image)| (name.clone(), image.clone())));
+    (changed, textures)
+}
+
 /// Draws a material before and after a translation, then before with one property after the other from after. `tell` hears the share that is
 /// done, 0 to 1. `None` if it is cancelled.
 pub fn measure(
@@ -53,29 +73,22 @@ pub fn measure(
     tell: &mut dyn FnMut(f32),
     is_cancelled: &dyn Fn() -> bool,
 ) -> Option<Measured> {
-    let differs = |row: &&Row| before.material.slot(row.property) != after.material.slot(row.property);
-    let is_suspect = |row: &&Row| row.fate > Fate::Remapped && row.has_effect && differs(row);
-    let mut suspects: Vec<&Row> = rows.iter().filter(is_suspect).collect();
-    suspects.sort_by_key(|row| std::cmp::Reverse(row.fate));
-    suspects.truncate(MAX_TRIED);
-    let steps = suspects.len() as f32 + 1.0;
-    let scene = |shown: Shown<'_>| setup.scene_of(shown.material.clone(), shown.textures.clone());
-    let first = scene(before);
-    let mut flip = |step: f32, other: Shown<'_>| {
-        let other = scene(other);
-        picture_diff::draw([&first, &other], drawing, &mut |share| tell((step + share) / steps), is_cancelled)
-            .map(|diff| diff.mean)
+    let suspects = suspects(before.material, after.material, rows);
+    let (mut done, steps) = (0.0, suspects.len() as f32 + 2.0);
+    let mut last = None;
+    let mut picture = |shown: Shown<'_>| {
+        let scene = setup.scene_of(shown.material.clone(), shown.textures.clone());
+        let picture = picture_diff::picture(&scene, &mut last, drawing, &mut |share| tell((done + share) / steps), is_cancelled)?;
+        done += 1.0;
+        Some(picture)
     };
-    let flip_mean = flip(0.0, after)?;
+    let first = picture(before)?;
+    let mut flip = |other: Shown<'_>| Some(mean_flip(&first, &picture(other)?, drawing.size[0]));
+    let flip_mean = flip(after)?;
     let mut by_property = Vec::new();
-    for (step, row) in suspects.into_iter().enumerate() {
-        let mut changed = before.material.clone();
-        *changed.slot_mut(row.property) = after.material.slot(row.property).clone();
-        // Images of both: the slot may name either's.
-        let mut textures = before.textures.clone();
-        textures.extend(after.textures.iter().map(|(name, image)| (name.clone(), image.clone())));
-        let alone = flip(step as f32 + 1.0, Shown { material: &changed, textures: &textures })?;
-        by_property.push((row.property, alone));
+    for property in suspects {
+        let (material, textures) = with_one(before, after, property);
+        by_property.push((property, flip(Shown { material: &material, textures: &textures })?));
     }
     by_property.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     Some(Measured { flip_mean, by_property })

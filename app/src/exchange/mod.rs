@@ -6,6 +6,7 @@ mod error;
 mod import;
 pub mod measure;
 mod mesh;
+pub(crate) mod names;
 pub mod open;
 mod own_text;
 pub mod save;

@@ -2,6 +2,7 @@
 
 use super::bake::bake;
 use super::error::{ExchangeError, Fault};
+use super::names::FileNames;
 use super::open::is_inside;
 use super::{Format, FormatDef, own_text};
 use crate::export::rgba_png;
@@ -18,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Largest image that is copied.
-const MAX_IMAGE_BYTES: u64 = 1 << 30;
+pub(crate) const MAX_IMAGE_BYTES: u64 = 1 << 30;
 
 /// A material on the way out.
 #[derive(Clone, Debug)]
@@ -39,7 +40,7 @@ impl Source {
     /// The same for another computer: images outside of the folder are carried along under their last names, since nobody else has those
     /// folders, or should read of them.
     fn portable(&self) -> Self {
-        let names = FileNames::of(std::slice::from_ref(self));
+        let names = names_of(std::slice::from_ref(self));
         let mut portable = self.clone();
         for def in burnish_material::PROPERTIES {
             let Some(texture) = &mut portable.material.slot_mut(def.id).texture else { continue };
@@ -89,6 +90,19 @@ struct Beside {
     notes: Vec<String>,
 }
 
+/// A document that is not on disk yet.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// Its bytes.
+    pub document: Vec<u8>,
+    /// The files that go beside it, by their paths from its folder, with `/`.
+    pub files: BTreeMap<String, Vec<u8>>,
+    /// What the translation costs, by material in the order given.
+    pub rows: Vec<Vec<Row>>,
+    /// Sentences for the user.
+    pub notes: Vec<String>,
+}
+
 /// Writes materials into one file. `go_on` hears the share that is done and says whether to go on; what is cancelled leaves nothing.
 pub fn save(
     sources: &[Source],
@@ -96,6 +110,34 @@ pub fn save(
     options: SaveOptions<'_>,
     go_on: &dyn Fn(f32) -> bool,
 ) -> Result<Saved, ExchangeError> {
+    let Made { document, files, rows, notes } = make(sources, out, options, go_on)?;
+    // The images first: a document never names one that is not there.
+    let folder = out.parent().unwrap_or(Path::new(""));
+    let mut written = vec![out.to_path_buf()];
+    for (name, bytes) in &files {
+        let path = folder.join(name);
+        if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+            let failed = |source| files::FilesError::Write { path: path.clone(), source };
+            std::fs::create_dir_all(parent).map_err(failed)?;
+        }
+        // What is there already and the same stays untouched.
+        if files::read_file(&path, MAX_IMAGE_BYTES).is_ok_and(|old| old == *bytes) {
+            continue;
+        }
+        save_atomic(&path, bytes)?;
+        written.push(path);
+    }
+    save_atomic(out, &document)?;
+    Ok(Saved { files: written, rows, notes })
+}
+
+/// Makes the document that [`save`] would write at `out`, with all that goes beside it.
+pub fn make(
+    sources: &[Source],
+    out: &Path,
+    options: SaveOptions<'_>,
+    go_on: &dyn Fn(f32) -> bool,
+) -> Result<Made, ExchangeError> {
     let format = Format::of(out).ok_or_else(|| ExchangeError::UnknownFormat { path: out.to_path_buf() })?;
     let portable: Vec<Source>;
     let sources = if format == Format::Native {
@@ -127,7 +169,7 @@ pub fn save(
         }
         Format::Mdl => {
             let Some(first) = sources.first() else { return Err(ExchangeError::NoMaterial { path: out.to_path_buf() }) };
-            let names = FileNames::of(std::slice::from_ref(first));
+            let names = names_of(std::slice::from_ref(first));
             copy_all(first, &mut beside, &|path| names.file(path));
             let path_of = |texture: &TextureRef| Some(names.file(&texture.path)).filter(|name| !name.is_empty());
             let text = mdl::write(&first.material, mdl::Flavour::Own, &path_of);
@@ -137,24 +179,7 @@ pub fn save(
     if !go_on(1.0) {
         return Err(ExchangeError::Cancelled);
     }
-    // The images first: a document never names one that is not there.
-    let folder = out.parent().unwrap_or(Path::new(""));
-    let mut written = vec![out.to_path_buf()];
-    for (name, bytes) in &beside.files {
-        let path = folder.join(name);
-        if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
-            let failed = |source| files::FilesError::Write { path: path.clone(), source };
-            std::fs::create_dir_all(parent).map_err(failed)?;
-        }
-        // What is there already and the same stays untouched.
-        if files::read_file(&path, MAX_IMAGE_BYTES).is_ok_and(|old| old == *bytes) {
-            continue;
-        }
-        save_atomic(&path, bytes)?;
-        written.push(path);
-    }
-    save_atomic(out, &document)?;
-    Ok(Saved { files: written, rows, notes: beside.notes })
+    Ok(Made { document, files: beside.files, rows, notes: beside.notes })
 }
 
 fn stem(path: &Path) -> String {
@@ -261,7 +286,7 @@ fn of_gltf(
 
 fn of_materialx(sources: &[Source], beside: &mut Beside, go_on: &dyn Fn(f32) -> bool) -> Result<Document, ExchangeError> {
     let materials: Vec<&Material> = sources.iter().map(|source| &source.material).collect();
-    let names = FileNames::of(sources);
+    let names = names_of(sources);
     let path = |path: &str| names.file(path);
     let written = materialx::write(&materials, &materialx::WriteOptions { path: &path, ..Default::default() });
     let contexts: Vec<Context> = sources.iter().map(|source| Context::of(&source.material)).collect();
@@ -283,7 +308,7 @@ fn of_usd(
     go_on: &dyn Fn(f32) -> bool,
 ) -> Result<(String, Vec<Vec<Row>>), ExchangeError> {
     let materials: Vec<&Material> = sources.iter().map(|source| &source.material).collect();
-    let names = FileNames::of(sources);
+    let names = names_of(sources);
     let path = |path: &str| names.file(path);
     let path_of = |texture: &TextureRef| path(&texture.path);
     let arrays = options.mesh.map(|(mesh, unit)| Arrays::of(mesh, unit, true));
@@ -362,45 +387,18 @@ fn image_bytes(source: &Source, path: &str) -> Option<Result<Vec<u8>, String>> {
     })
 }
 
+/// Names beside a document for the images of some materials.
+fn names_of(sources: &[Source]) -> FileNames {
+    let slots = sources.iter().flat_map(|source| source.material.slots());
+    FileNames::of(slots.filter_map(|(_, slot)| slot.texture.as_ref()).map(|texture| texture.path.as_str()))
+}
+
 /// What is known of an image.
 fn facts(image: &Image) -> gltf::Facts {
     gltf::Facts {
         is_gray: image.texels.iter().all(|[r, g, b, _]| r == g && g == b),
         is_wide: !image.is_eight_bit,
         is_opaque: image.texels.iter().all(|[.., a]| *a == 1.0),
-    }
-}
-
-/// Names beside a document for the images of some materials: the last part of their paths, no two the same.
-struct FileNames(BTreeMap<String, String>);
-
-impl FileNames {
-    fn of(sources: &[Source]) -> Self {
-        let mut names = BTreeMap::new();
-        let mut taken = BTreeSet::new();
-        let paths = sources.iter().flat_map(|source| source.material.slots());
-        for path in paths.filter_map(|(_, slot)| slot.texture.as_ref()).map(|texture| &texture.path) {
-            if names.contains_key(path) || path.is_empty() {
-                continue;
-            }
-            let is_made = burnish_assets::BuiltInTexture::parse(path).is_some();
-            let last = path.rsplit(['/', '\\']).next().unwrap_or(path);
-            let clean = |c: char| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' };
-            let clean: String = (if is_made { path.as_str() } else { last }).chars().map(clean).collect();
-            let (stem, ending) = match clean.rsplit_once('.') {
-                Some((stem, ending)) if !is_made => (stem.to_owned(), ending.to_owned()),
-                _ => (clean, "png".to_owned()),
-            };
-            let free = (1..).map(|n| if n == 1 { format!("{stem}.{ending}") } else { format!("{stem}-{n}.{ending}") });
-            let name = free.into_iter().find(|name| !taken.contains(name)).unwrap_or_default();
-            taken.insert(name.clone());
-            names.insert(path.clone(), name);
-        }
-        Self(names)
-    }
-
-    fn file(&self, path: &str) -> String {
-        self.0.get(path).cloned().unwrap_or_default()
     }
 }
 

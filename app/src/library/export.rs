@@ -3,7 +3,7 @@
 use super::check::{Options, Shelved, check_library};
 use super::entry::Entry;
 use super::maker::{Limits, Maker};
-use super::pack::{self, Pack};
+use super::pack::{self, Formats, Pack};
 use super::scan::Progress;
 use super::setup::{DEFAULT_SECONDS, Setup};
 use super::sheet::{Sheet, is_page};
@@ -18,8 +18,8 @@ use std::sync::Arc;
 pub enum Product {
     /// A contact sheet, as page or as picture by the ending of the file.
     Sheet(PathBuf),
-    /// A pack in a folder of its own.
-    Pack(PathBuf),
+    /// A pack in a folder of its own, with the materials in other formats.
+    Pack(PathBuf, Formats),
 }
 
 /// A library as it is when something is made of it.
@@ -41,7 +41,7 @@ impl Order {
     /// made are kept.
     pub fn run(&self, tell: &pack::Tell<'_>, is_cancelled: &(dyn Fn() -> bool + Sync)) -> Outcome {
         let mut shelf = self.pictures.as_deref().map_or_else(Shelf::default, Shelf::open);
-        if let Product::Pack(target) = &self.product {
+        if let Product::Pack(target, _) = &self.product {
             pack::refuse(target, &self.root).map_err(|error| error.to_string())?;
             if !self.is_sound(&shelf, tell, is_cancelled)? {
                 return Ok(None);
@@ -54,9 +54,10 @@ impl Order {
         let name = self.root.file_name().unwrap_or(self.root.as_os_str()).to_string_lossy();
         let sentence = match &self.product {
             Product::Sheet(path) => self.sheet(path, &name, &shelf, &mut warnings, (tell, is_cancelled))?,
-            Product::Pack(target) => {
+            Product::Pack(target, formats) => {
                 let (root, setup) = (self.root.as_path(), self.setup.digest());
-                let pack = Pack { name: &name, root, entries: &self.entries, shelf: &shelf, setup, threads: self.threads };
+                let (entries, threads, formats) = (&self.entries, self.threads, *formats);
+                let pack = Pack { name: &name, root, entries, shelf: &shelf, setup, threads, formats };
                 let packed = pack.write(target, tell, is_cancelled).map_err(|error| error.to_string())?;
                 packed.map(|packed| {
                     warnings.extend(packed.warnings);

@@ -14,6 +14,7 @@ pub mod library;
 pub mod measured_page;
 pub mod merge;
 pub mod messages;
+pub mod pack_page;
 pub mod palette;
 pub mod preferences;
 pub mod presets;

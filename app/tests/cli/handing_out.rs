@@ -81,7 +81,11 @@ fn a_pack_is_made_unless_there_are_errors() {
     assert_eq!(packed.code, Some(0), "{}", packed.err);
     let json = packed.json();
     let counts = ["materials", "images", "files", "made"].map(|key| json[key].as_u64().unwrap());
-    assert_eq!((counts, &json["check"]["errors"], rows(&packed).len()), ([5, 1, 11, 5], &0.into(), 5), "{json}");
+    assert_eq!((counts, &json["check"]["errors"], rows(&packed).len()), ([5, 1, 30, 5], &0.into(), 5), "{json}");
+    assert_eq!(json["formats"], serde_json::json!(["usd", "materialx", "gltf"]));
+    for file in ["usd/clay0.usda", "usd/grey.png", "materialx/textured.mtlx", "gltf/clay3.gltf", "losses.json"] {
+        assert!(place.path("pack").join(file).is_file(), "{file}");
+    }
     assert!(fs::read_to_string(place.path("pack/LICENCES.md")).unwrap().contains("## No licence stated (1)"));
     // The pack is a library itself.
     let again =
@@ -100,7 +104,7 @@ fn a_pack_is_made_unless_there_are_errors() {
     );
     let refused = run(&place, "pack", &["--out", "other", "--json"]);
     assert_eq!((refused.code, &refused.json()["is_packed"]), (Some(1), &false.into()), "{}", refused.err);
-    let allowed = run(&place, "pack", &["--out", "pack", "--allow-errors", "--no-render"]);
+    let allowed = run(&place, "pack", &["--out", "pack", "--allow-errors", "--no-render", "--formats", "none"]);
     assert_eq!(allowed.code, Some(0), "{}", allowed.err);
     assert!(
         allowed.out.contains("pack: packed; materials: 6, images: 1, files: 12, pictures made: 0; check: 6 files, 1 error"),

@@ -57,7 +57,8 @@ pub fn interchange_page() -> String {
          Each table tells what becomes of a material that has every property off its default, as far as other programs see it: *exact* is the \
          same number, or one that leads back to it; *remapped* other numbers with the same look and the way back; *approximated* another look, \
          or no exact way back; *dropped* is not there. A property at its default is never lost, and the native copy beside each translation gives \
-         back every bit to this program.\n",
+         back every bit to this program. What that looks like for each preset was measured: \
+         [interchange_loss.md](../tests/benches/results/interchange_loss.md).\n",
     );
     let material = material_off_default();
     // Writing to a String cannot fail.

@@ -7,7 +7,7 @@ use crate::cli::progress_line::ProgressLine;
 use crate::cli::{CliError, Messages, Outcome, interrupt, print_out};
 use crate::library::check::{Checked, Options, Shelved, check_library, report};
 use crate::library::entry::Entry;
-use crate::library::pack::{self, Pack, Packed};
+use crate::library::pack::{self, Formats, Pack, Packed};
 use crate::library::scan::Progress;
 use crate::library::setup::Setup;
 use crate::library::shelf::Shelf;
@@ -32,6 +32,9 @@ pub struct PackArguments {
     /// Packs although the check finds errors; files that cannot be used are left out
     #[arg(long)]
     allow_errors: bool,
+    /// Other formats that every material is written in: usd, materialx and gltf with commas between, or none
+    #[arg(long, value_name = "LIST", default_value = "usd,materialx,gltf", value_parser = Formats::parse)]
+    formats: Formats,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
@@ -95,8 +98,8 @@ fn write(
     let tell = |what: &str, Progress { done, total }: Progress| {
         line.lock().unwrap_or_else(PoisonError::into_inner).show(|| format!("{what}: {done} of {total}"));
     };
-    let (root, threads) = (arguments.folder.as_path(), arguments.shown.making.scene.threads());
-    let pack = Pack { name, root, entries, shelf, setup: setup.digest(), threads };
+    let (root, threads, formats) = (arguments.folder.as_path(), arguments.shown.making.scene.threads(), arguments.formats);
+    let pack = Pack { name, root, entries, shelf, setup: setup.digest(), threads, formats };
     let packed = pack.write(&arguments.out, &tell, &interrupt::is_interrupted);
     line.into_inner().unwrap_or_else(PoisonError::into_inner).clear();
     packed.map_err(CliError::unusable)
@@ -115,6 +118,7 @@ fn json_object(
         "materials": packed.map(|packed| packed.materials),
         "images": packed.map(|packed| packed.images),
         "files": packed.map(|packed| packed.files),
+        "formats": arguments.formats.chosen().map(|(word, _)| word).collect::<Vec<_>>(),
         "made": rows.iter().filter(|row| !row["seconds"].is_null()).count(),
         "check": report::json_object(checked),
         "rows": rows,

@@ -2,7 +2,7 @@
 
 use super::super::entry::Entry;
 use super::super::sheet::slashed;
-use super::{PackError, write};
+use super::{PackError, create, write};
 use crate::digest::Digest;
 use crate::files::{self, FilesError};
 use burnish_material::{MAX_FILE_BYTES, Material, MaterialFile};
@@ -149,12 +149,8 @@ impl<'a> Content<'a> {
     }
 }
 
-fn create(folder: &Path) -> Result<(), PackError> {
-    fs::create_dir_all(folder).map_err(|source| FilesError::Write { path: folder.to_path_buf(), source }.into())
-}
-
 /// A path without `.` and `..`, as far as it shows without asking the system.
-fn plain(path: &Path) -> PathBuf {
+pub(super) fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {
         match part {

@@ -3,6 +3,7 @@
 use super::super::entry::Entry;
 use super::super::sheet::slashed;
 use super::content::Content;
+use super::formats::Written;
 use super::{MATERIALS, PackError, place};
 use crate::digest::Digest;
 use crate::files::FilesError;
@@ -27,6 +28,7 @@ pub(super) fn text(
     folder: &Path,
     content: &Content<'_>,
     packed: &[Arc<Entry>],
+    written: &[Written],
 ) -> Result<(String, usize), PackError> {
     let unreadable = |source| FilesError::Read { path: folder.to_path_buf(), source };
     let mut files = Vec::new();
@@ -36,7 +38,7 @@ pub(super) fn text(
         files.push(json!({ "path": slashed(path.strip_prefix(folder).unwrap_or(&path)), "bytes": bytes, "hash": hash }));
     }
     let looks: BTreeMap<&Path, Digest> = packed.iter().map(|entry| (entry.path.as_path(), entry.look)).collect();
-    let materials = content.materials.iter().map(|one| {
+    let materials = content.materials.iter().zip(written).map(|(one, written)| {
         let (entry, provenance) = (one.entry, &one.file.material().provenance);
         json!({
             "path": format!("{MATERIALS}/{}", slashed(&entry.path)),
@@ -47,6 +49,7 @@ pub(super) fn text(
             "source": provenance.source,
             "look": looks.get(entry.path.as_path()),
             "images": one.images.iter().map(|image| format!("{MATERIALS}/{image}")).collect::<Vec<_>>(),
+            "formats": written,
         })
     });
     let materials: Vec<Value> = materials.collect();

@@ -1,9 +1,10 @@
-//! A pack: what the author of a library hands out. Materials with the images that they use, a contact sheet, licences, the report of the check,
-//! and a list of all files with their hashes.
+//! A pack: what the author of a library hands out. Materials with the images that they use, the same in the formats of other programs with what
+//! that costs, a contact sheet, licences, the report of the check, and a list of all files with their hashes.
 //!
 //! A pack is made beside its place and renamed, so it is there whole or not at all. The same library gives the same bytes.
 
 mod content;
+mod formats;
 mod licences;
 mod manifest;
 mod place;
@@ -16,8 +17,10 @@ use super::scan::{Progress, Scan};
 use super::sheet::{Card, Sheet, SheetError};
 use super::shelf::Shelf;
 use crate::digest::Digest;
+use crate::exchange::ExchangeError;
 use crate::files::FilesError;
 use content::Content;
+pub use formats::{FORMATS, Formats};
 pub use manifest::{FORMAT, MANIFEST};
 use place::Place;
 use std::collections::BTreeMap;
@@ -50,6 +53,8 @@ pub enum PackError {
     Library(LibraryError),
     /// There is no contact sheet.
     Sheet(SheetError),
+    /// A material does not go into another format.
+    Exchange(ExchangeError),
 }
 
 impl fmt::Display for PackError {
@@ -60,6 +65,7 @@ impl fmt::Display for PackError {
             Self::Changed { path } => write!(f, "{}: was changed while it was packed; pack again", path.display()),
             Self::Library(error) => error.fmt(f),
             Self::Sheet(error) => write!(f, "contact sheet: {error}"),
+            Self::Exchange(error) => error.fmt(f),
         }
     }
 }
@@ -86,6 +92,8 @@ pub struct Pack<'a> {
     pub setup: Digest,
     /// Threads that check; 0 counts as 1.
     pub threads: usize,
+    /// In which other formats the materials are written, too.
+    pub formats: Formats,
 }
 
 /// What became of it.
@@ -131,12 +139,14 @@ impl Pack<'_> {
         let Some(entries) = self.check(folder, tell, is_cancelled)? else { return Ok(None) };
         let mut warnings = std::mem::take(&mut content.warnings);
         let Some(sheet) = self.sheet(&content, &entries, folder, &mut warnings, (tell, is_cancelled))? else { return Ok(None) };
+        let written = formats::write_all(&content, folder, self.formats, &mut warnings, (tell, is_cancelled))?;
+        let Some(written) = written else { return Ok(None) };
         let boxes = sheet.names_with_boxes();
         if boxes > 0 {
             warnings.push(format!("sheet.png: {boxes} names have letters that its font lacks; sheet.html shows them"));
         }
         write(&folder.join("LICENCES.md"), licences::text(self.name, &content.materials).as_bytes())?;
-        let (text, files) = manifest::text(self.name, folder, &content, &entries)?;
+        let (text, files) = manifest::text(self.name, folder, &content, &entries, &written)?;
         write(&folder.join(MANIFEST), text.as_bytes())?;
         if is_cancelled() {
             return Ok(None);
@@ -207,6 +217,11 @@ impl Pack<'_> {
         }
         Ok(Some(sheet))
     }
+}
+
+/// Makes a folder of a pack that nobody sees yet, with those above it.
+fn create(folder: &Path) -> Result<(), PackError> {
+    fs::create_dir_all(folder).map_err(|source| FilesError::Write { path: folder.to_path_buf(), source }.into())
 }
 
 /// Writes a file of a pack that nobody sees yet.

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)] // A helper that fails fails its test.
 
 use super::*;
+use burnish_material::Property;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use tempfile::TempDir;
@@ -48,6 +49,10 @@ impl Place {
     }
 
     fn pack(&self, target: &str) -> Result<Option<Packed>, PackError> {
+        self.pack_with(target, Formats::NONE)
+    }
+
+    fn pack_with(&self, target: &str, formats: Formats) -> Result<Option<Packed>, PackError> {
         let root = self.path("library");
         let scan = Scan {
             root: &root,
@@ -59,7 +64,8 @@ impl Place {
         };
         let entries = scan.run().unwrap().index.entries;
         let shelf = Shelf::open(&self.path("pictures"));
-        let pack = Pack { name: "Test", root: &root, entries: &entries, shelf: &shelf, setup: Digest::default(), threads: 1 };
+        let setup = Digest::default();
+        let pack = Pack { name: "Test", root: &root, entries: &entries, shelf: &shelf, setup, threads: 1, formats };
         pack.write(&self.path(target), &|_, _| {}, &|| false)
     }
 
@@ -209,9 +215,79 @@ fn missing_images_are_told_and_a_change_on_the_way_ends_it() {
     entry.problem = None;
     let entries = [Arc::new(entry)];
     let (root, shelf) = (place.path("library"), Shelf::default());
-    let pack = Pack { name: "Test", root: &root, entries: &entries, shelf: &shelf, setup: Digest::default(), threads: 1 };
+    let (setup, formats) = (Digest::default(), Formats::NONE);
+    let pack = Pack { name: "Test", root: &root, entries: &entries, shelf: &shelf, setup, threads: 1, formats };
     let error = pack.write(&place.path("late"), &|_, _| {}, &|| false).unwrap_err().to_string();
     assert!(error.contains("plain.asm.ron: was changed while it was packed"), "{error}");
     assert_eq!(pack.write(&place.path("late"), &|_, _| {}, &|| true).unwrap(), None);
     assert!(!place.path("late").exists());
+}
+
+/// The material that a file of the pack holds, and the bytes of the image of its roughness.
+fn reopened(path: &Path) -> (burnish_material::Material, Option<Vec<u8>>) {
+    let opened = crate::exchange::open::open(path).unwrap();
+    let [one] = opened.as_slice() else { panic!("{}: {} materials", path.display(), opened.len()) };
+    assert_eq!(one.notes, [""; 0], "{}", path.display());
+    let texture = one.file.material().slot(Property::roughness).texture.clone();
+    let image = texture.filter(|texture| !texture.path.starts_with("builtin:")).map(|texture| {
+        let held = one.embedded.get(&texture.path).map(|bytes| bytes.to_vec());
+        held.unwrap_or_else(|| fs::read(one.folder.as_deref().unwrap().join(&texture.path)).unwrap())
+    });
+    (one.file.material().clone(), image)
+}
+
+#[test]
+fn every_format_holds_the_same_materials_again() {
+    let place = Place::new();
+    // Of one file name and one name in the file, with another image of one name: nothing takes the place of anything else.
+    let colour = r#"{ "texture": { "path": "../metals/maps/a.png", "scale": [0.5, 0.5, 0.5] } }, "metallic": 0.1, "scatter_red_shift": 0.3"#;
+    place.write("woods/a.asm.ron", "A", "MIT", colour);
+    place.write("metals/a.asm.ron", "A", "CC0-1.0", &colour.replace("../metals/maps/a.png", "../textures/out.png"));
+    let packed = place.pack_with("out", Formats::default()).unwrap().unwrap();
+    assert_eq!((packed.materials, packed.images, packed.warnings), (7, 3, vec![]));
+    let manifest: Value = serde_json::from_str(&place.read("out/manifest.json")).unwrap();
+    let hashed: BTreeSet<&str> = manifest["files"].as_array().unwrap().iter().map(|row| row["path"].as_str().unwrap()).collect();
+    for row in manifest["materials"].as_array().unwrap() {
+        let (native, image) = reopened(&place.path("out").join(row["path"].as_str().unwrap()));
+        let files = row["formats"].as_object().unwrap();
+        assert_eq!(files.keys().collect::<Vec<_>>(), ["gltf", "materialx", "usd"]);
+        for file in files.values().map(|file| file.as_str().unwrap()) {
+            assert!(hashed.contains(file), "{file}");
+            let (material, other_image) = reopened(&place.path("out").join(file));
+            assert_eq!((material.name.as_str(), &other_image), (native.name.as_str(), &image), "{file}");
+            for (property, slot) in native.slots() {
+                let other = material.slot(property);
+                assert_eq!(slot.value, other.value, "{file}: {}", property.def().name);
+                let how = |slot: &burnish_material::Slot| {
+                    slot.texture.clone().map(|texture| burnish_material::TextureRef { path: String::new(), ..texture })
+                };
+                assert_eq!(how(slot), how(other), "{file}: {}", property.def().name);
+            }
+        }
+    }
+    // An image that many use lies there once.
+    for folder in ["usd", "materialx"] {
+        let all = place.names(&format!("out/{folder}"));
+        assert_eq!(all.iter().filter(|name| name.ends_with("a.png")).count(), 1, "{all:?}");
+    }
+    let losses: Value = serde_json::from_str(&place.read("out/losses.json")).unwrap();
+    let shift = losses["materials"].as_array().unwrap().iter().filter(|row| row["name"] == "A");
+    let lost: Vec<&Value> = shift
+        .flat_map(|row| row["formats"].as_object().unwrap().values())
+        .flat_map(|format| format["rows"].as_array().unwrap())
+        .filter(|row| row["property"] == "scatter_red_shift")
+        .map(|row| &row["fate"])
+        .collect();
+    assert!(lost.len() == 6 && lost.contains(&&Value::from("dropped")), "{losses}");
+
+    fs::create_dir(place.path("empty")).unwrap();
+    place.pack_with("empty", Formats::default()).unwrap();
+    assert_eq!(place.names("out"), place.names("empty"));
+    for name in place.names("out") {
+        assert!(fs::read(place.path("out").join(&name)).unwrap() == fs::read(place.path("empty").join(&name)).unwrap(), "{name}");
+        let text = String::from_utf8_lossy(&fs::read(place.path("out").join(&name)).unwrap()).into_owned();
+        assert!(!text.contains(place.folder.path().to_str().unwrap()), "{name}");
+    }
+    let fewer = place.pack_with("out", Formats::parse("gltf").unwrap()).unwrap().unwrap();
+    assert!(fewer.files < packed.files && place.path("out/gltf").is_dir() && !place.path("out/usd").exists());
 }
