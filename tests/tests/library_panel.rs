@@ -266,6 +266,18 @@ fn give_pictures(window: &mut Window, root: &Path, home: &Path) {
     }
 }
 
+/// Opens the page, switches a format, and goes on to the place of the pack.
+fn export_pack(window: &mut Window, switched: Option<&str>) {
+    let ctx = window.ctx.clone();
+    app_mut(window).carry_out(Command::ExportPack, &ctx);
+    window.run_steps(3);
+    for (role, name) in switched.map(|name| (Role::CheckBox, name)).into_iter().chain([(Role::Button, "Export…")]) {
+        let at = rect(window, role, name).center();
+        click(window, at);
+        window.run_steps(2);
+    }
+}
+
 #[test]
 fn the_library_becomes_a_sheet_and_a_pack() {
     let (folder, home, out) = (folder(), tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
@@ -278,16 +290,17 @@ fn the_library_becomes_a_sheet_and_a_pack() {
     until(&mut window, "the sheet", |app| has_said(app, |text| text.contains("all.html: 5 materials")));
     let page = fs::read_to_string(sheet.with_extension("html")).expect("it was written");
     assert_eq!(page.matches("data:image/jpeg").count(), 5);
-    app_mut(&mut window).carry_out(Command::ExportPack, &ctx);
+    export_pack(&mut window, None);
     until(&mut window, "the refusal", |app| has_said(app, |text| text.contains("outside the library's folder")));
-    app_mut(&mut window).carry_out(Command::ExportPack, &ctx);
-    until(&mut window, "the pack", |app| has_said(app, |text| text.contains("materials 5, images 0, files 10")));
-    assert!(pack.join("materials/Gold.asm.ron").is_file() && pack.join("LICENCES.md").is_file());
+    export_pack(&mut window, Some("MaterialX (OpenPBR) (.mtlx)"));
+    until(&mut window, "the pack", |app| has_said(app, |text| text.contains("materials 5, images 0, files 21")));
+    let expected = ["materials/Gold.asm.ron", "LICENCES.md", "losses.json", "usd/Gold.usda", "gltf/Velvet.gltf"];
+    assert!(expected.iter().all(|file| pack.join(file).is_file()) && !pack.join("materialx").exists());
 
     // A value out of range is not handed out.
     fs::write(path(folder.path(), "Velvet"), "{\"properties\": {\"roughness\": 1.5}}").expect("it can be written");
     app_mut(&mut window).do_in_library(LibraryAction::Rescan, &ctx);
     until(&mut window, "the library to be read", |app| app.library().is_some_and(|library| library.progress().is_none()));
-    app_mut(&mut window).carry_out(Command::ExportPack, &ctx);
+    export_pack(&mut window, None);
     until(&mut window, "the refusal", |app| has_said(app, |text| text.contains("the check finds errors (1); the first: ")));
 }

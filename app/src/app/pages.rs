@@ -42,7 +42,7 @@ impl App {
             }
             Page::Pack => {
                 let mut stays = true;
-                let is_open = framed(ctx, "Export pack", [420.0, 190.0], |ui| stays = self.pack_page(ui));
+                let is_open = framed(ctx, "Export pack", [440.0, 230.0], |ui| stays = self.pack_page(ui));
                 self.close_unless(is_open && stays && !self.is_escaped(ctx));
             }
             Page::Preferences => {

@@ -1,8 +1,8 @@
 //! Measures what each shading model costs each preset in looks, and writes `benches/results/interchange_loss.md`.
 //!
 //! `cargo run --release -p burnish-tests --example interchange_loss -- KEPT.json [MINUTES]`: measures for so many minutes at most, 25 unless stated,
-//! and keeps in the file what it has; run again, it goes on, and measures anew only what has changed. The page tells of those models that are
-//! measured for every preset.
+//! and keeps in the file what it has; run again, it goes on, and measures anew only what has changed. The page tells of those presets that are
+//! measured in the models of the files that we write, and of those other models that are measured for all of them.
 
 mod kept;
 mod page;
@@ -20,11 +20,12 @@ use burnish_material::{Material, MaterialFile, PROPERTIES};
 use burnish_presets::{Preset, presets};
 use burnish_renderer::PICTURE_VERSION;
 use kept::{Found, Kept};
+use page::{Cell, Column, Table};
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use studio::{SIDE, Studio, images, samples};
+use studio::{SIDE, Studio, images, is_entered, samples};
 
 /// Those of the files that we write, then the others.
 const TURNS: [&[&ShadingModel]; 2] = [
@@ -58,8 +59,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut kept = Kept::load(&place);
     let mut studio = Studio::new()?;
     let mut out = std::io::stdout().lock();
+    // The quick ones first.
+    let mut order = presets().iter().map(|preset| Ok((is_entered(preset.parse()?.0.material()), preset))).collect::<Result<Vec<_>, Box<dyn Error>>>()?;
+    order.sort_by_key(|(is_entered, _)| *is_entered);
     'all: for turn in TURNS {
-        for (number, preset) in presets().iter().enumerate() {
+        for (number, (_, preset)) in order.iter().enumerate() {
             if Instant::now() > end {
                 break 'all;
             }
@@ -84,21 +88,30 @@ fn main() -> Result<(), Box<dyn Error>> {
             kept.save(&place)?;
         }
     }
-    let mut columns = Vec::new();
-    for model in TURNS.concat() {
-        let cases = presets().iter().map(|preset| Case::new(preset, model)).collect::<Result<Vec<_>, _>>()?;
-        let cell = |case: &Case<'_>| Some(page::Cell { found: kept.get(&case.name(), &case.state())?, rows: case.rows() });
-        match cases.iter().map(cell).collect::<Option<Vec<_>>>() {
-            Some(cells) => columns.push(page::Column { model, cells }),
-            None => writeln!(out, "{}: not measured for every preset yet", model.label)?,
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/results/interchange_loss.md");
+    Ok(std::fs::write(path, page::page(&measured(&kept)?, presets().len()))?)
+}
+
+/// What is known of the presets that are measured in all models of the first turn, with the models that all of them are measured in.
+fn measured(kept: &Kept) -> Result<Table, Box<dyn Error>> {
+    let mut rows = Vec::new();
+    for preset in presets() {
+        let mut cells = Vec::new();
+        for model in TURNS.concat() {
+            let case = Case::new(preset, model)?;
+            cells.push(kept.get(&case.name(), &case.state()).map(|found| Cell { found, rows: case.rows() }));
+        }
+        let noise = kept.get(&noise_name(preset), &noise_state(preset)).map(|found| found.flip);
+        if let Some(noise) = noise.filter(|_| cells.iter().take(TURNS[0].len()).all(Option::is_some)) {
+            rows.push((preset, noise, cells));
         }
     }
-    let noise = presets().iter().map(|preset| Some(kept.get(&noise_name(preset), &noise_state(preset))?.flip));
-    if let Some(noise) = noise.collect::<Option<Vec<f64>>>() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/results/interchange_loss.md");
-        std::fs::write(path, page::page(presets(), &noise, &columns))?;
+    let mut table = Table { presets: rows.iter().map(|(preset, noise, _)| (*preset, *noise)).collect(), columns: Vec::new() };
+    for (place, model) in TURNS.concat().into_iter().enumerate() {
+        let cells = rows.iter_mut().map(|(_, _, cells)| cells[place].take()).collect::<Option<Vec<_>>>();
+        table.columns.extend(cells.map(|cells| Column { model, cells }));
     }
-    Ok(())
+    Ok(table)
 }
 
 impl<'a> Case<'a> {

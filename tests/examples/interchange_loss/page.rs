@@ -15,6 +15,12 @@ pub struct Cell {
     pub rows: Vec<Row>,
 }
 
+/// Presets with their noise, FLIP between two pictures of other random numbers; a column for each model.
+pub struct Table {
+    pub presets: Vec<(&'static Preset, f64)>,
+    pub columns: Vec<Column>,
+}
+
 /// A model, with a cell for each preset.
 pub struct Column {
     pub model: &'static ShadingModel,
@@ -28,27 +34,28 @@ impl Cell {
     }
 }
 
-/// The page. `noise`: FLIP of each preset between two pictures of other random numbers.
-pub fn page(presets: &[Preset], noise: &[f64], columns: &[Column]) -> String {
+/// The page. `total`: presets that there are.
+pub fn page(Table { presets, columns }: &Table, total: usize) -> String {
     let [opaque, entered] = SAMPLES;
+    let noise: Vec<f64> = presets.iter().map(|(_, noise)| *noise).collect();
+    let all_or_some = if presets.len() == total { format!("the {total}") } else { format!("{} of the {total}", presets.len()) };
     let mut page = format!(
         "# What other programs see of the presets\n\n\
-         `cargo run --release -p burnish-tests --example interchange_loss`: each of the {count} presets before and after the translation to a shading \
+         `cargo run --release -p burnish-tests --example interchange_loss`: {all_or_some} presets before and after the translation to a shading \
          model and back, without the native copy; this program itself gets every bit back from that. Shader ball in the studio, {SIDE}x{SIDE}, {opaque} \
          samples per pixel, {entered} where light enters the material; mean of FLIP over the picture, 0 to 1, stand and background included. Images, of {TEXELS} texels a side at \
          most, are computed where a model needs one that nobody has, as an export does. What each loss means is in `material/INTERCHANGE.md`.\n\n\
          Noise: the same preset with other random numbers gives {median:.3} in the median, {high:.3} at the 90th percentile, {most:.3} at most. Before and \
          after are drawn with the same random numbers, so that noise cancels where they do the same; a value below the noise of its row still shows a \
          difference, but not how large it is. 0 stands for materials that are the same to five digits, which are not drawn.\n",
-        count = presets.len(),
-        median = quantile(noise, 0.5),
-        high = quantile(noise, 0.9),
-        most = quantile(noise, 1.0),
+        median = quantile(&noise, 0.5),
+        high = quantile(&noise, 0.9),
+        most = quantile(&noise, 1.0),
     );
-    summary(&mut page, noise, columns);
+    summary(&mut page, &noise, columns);
     worst(&mut page, presets, columns);
     properties(&mut page, columns);
-    all(&mut page, presets, noise, columns);
+    all(&mut page, presets, columns);
     page
 }
 
@@ -73,10 +80,10 @@ fn summary(page: &mut String, noise: &[f64], columns: &[Column]) {
     }
 }
 
-fn worst(page: &mut String, presets: &[Preset], columns: &[Column]) {
+fn worst(page: &mut String, presets: &[(&Preset, f64)], columns: &[Column]) {
     *page += "\n## The worst\n\nIn brackets, properties with the FLIP that each gives alone.\n\n";
     for Column { model, cells } in columns {
-        let mut order: Vec<(&Preset, &Cell)> = presets.iter().zip(cells).filter(|(_, cell)| cell.found.flip > 0.0).collect();
+        let mut order: Vec<(&Preset, &Cell)> = presets.iter().map(|(preset, _)| *preset).zip(cells).collect();
         order.sort_by(|(_, a), (_, b)| b.found.flip.total_cmp(&a.found.flip));
         let named = order.iter().filter(|(_, cell)| !cell.found.by_property.is_empty()).map(|(preset, cell)| {
             let by = cell.found.by_property.iter().take(3).map(|(name, flip)| format!("`{name}` {flip:.3}"));
@@ -108,10 +115,10 @@ fn properties(page: &mut String, columns: &[Column]) {
     }
 }
 
-fn all(page: &mut String, presets: &[Preset], noise: &[f64], columns: &[Column]) {
+fn all(page: &mut String, presets: &[(&Preset, f64)], columns: &[Column]) {
     *page += "\n## Every preset\n\nFLIP, and the properties that are dropped.\n";
     let mut group = "";
-    for (number, (preset, noise)) in presets.iter().zip(noise).enumerate() {
+    for (number, (preset, noise)) in presets.iter().enumerate() {
         if preset.group != group {
             group = preset.group;
             _ = write!(page, "\n### {}\n\n| Preset | noise |", group_title(group));

@@ -13,9 +13,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Columns and rows.
-pub const SIDE: usize = 96;
+pub const SIDE: usize = 64;
 /// Samples per pixel of materials that no light enters, and of others.
-pub const SAMPLES: [u32; 2] = [128, 512];
+pub const SAMPLES: [u32; 2] = [64, 32];
 
 /// Columns of images at most: finer texels would not be seen in pictures of this size.
 pub const TEXELS: usize = 256;
@@ -32,11 +32,15 @@ pub struct Studio {
     pub drawn: usize,
 }
 
+/// Whether light goes into a material.
+pub fn is_entered(material: &Material) -> bool {
+    let property = Property::translucency;
+    material.float(property) > 0.0 || material.is_textured(property)
+}
+
 /// Samples per pixel for a material.
 pub fn samples(material: &Material) -> u32 {
-    let property = Property::translucency;
-    let is_entered = material.float(property) > 0.0 || material.is_textured(property);
-    SAMPLES[usize::from(is_entered)]
+    SAMPLES[usize::from(is_entered(material))]
 }
 
 /// Images of a material, halved until they are small enough. An error if one cannot be read.

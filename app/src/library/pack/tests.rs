@@ -42,7 +42,7 @@ impl Place {
         let path = self.path("library").join(path);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         let text = format!(
-            "// Kept.\n{{\n    \"name\": \"{name}\",\n    \"provenance\": {{ \"source\": \"Somebody\", \"licence\": \"{licence}\" }},\n    \"properties\": {{ \
+            "// Kept.\n{{\n    \"asm\": \"4.0\",\n    \"name\": \"{name}\",\n    \"provenance\": {{ \"source\": \"Somebody\", \"licence\": \"{licence}\" }},\n    \"properties\": {{ \
              \"roughness\": {roughness} }},\n    \"sources\": {{ \"roughness\": {{ \"dataset\": \"data\", \"licence\": \"Other\" }} }},\n}}\n"
         );
         fs::write(path, text).unwrap();
