@@ -46,8 +46,9 @@ pub fn draw(
     is_cancelled: &dyn Fn() -> bool,
 ) -> Option<PictureDiff> {
     let mut last = None;
-    let mut one =
-        |number: usize| picture(scenes[number], &mut last, drawing, &mut |share| tell((number as f32 + share) / 2.0), is_cancelled);
+    let mut one = |number: usize| {
+        picture(scenes[number], &mut last, drawing, &mut |share| tell((number as f32 + share) / 2.0), is_cancelled)
+    };
     let pictures = [one(0)?, one(1)?];
     let width = drawing.size[0];
     let errors = flip(&pictures[0], &pictures[1], width);

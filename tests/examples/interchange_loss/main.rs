@@ -30,13 +30,7 @@ use studio::{SIDE, Studio, images, is_entered, samples};
 /// Those of the files that we write, then the others.
 const TURNS: [&[&ShadingModel]; 2] = [
     &[&gltf::MODEL, &open_pbr::MODEL, &usd_preview::MODEL],
-    &[
-        &standard_surface::MODEL,
-        &disney_principled::MODEL,
-        &filament::MODEL,
-        &dassault::MODEL,
-        &specular_glossiness::MODEL,
-    ],
+    &[&standard_surface::MODEL, &disney_principled::MODEL, &filament::MODEL, &dassault::MODEL, &specular_glossiness::MODEL],
 ];
 /// How many of the worst are explained, for each model.
 const WORST: usize = 3;
@@ -60,7 +54,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut studio = Studio::new()?;
     let mut out = std::io::stdout().lock();
     // The quick ones first.
-    let mut order = presets().iter().map(|preset| Ok((is_entered(preset.parse()?.0.material()), preset))).collect::<Result<Vec<_>, Box<dyn Error>>>()?;
+    let mut order = presets()
+        .iter()
+        .map(|preset| Ok((is_entered(preset.parse()?.0.material()), preset)))
+        .collect::<Result<Vec<_>, Box<dyn Error>>>()?;
     order.sort_by_key(|(is_entered, _)| *is_entered);
     'all: for turn in TURNS {
         for (number, (_, preset)) in order.iter().enumerate() {
@@ -143,7 +140,8 @@ impl<'a> Case<'a> {
         let (here, there) = (self.material.inputs(), back.inputs());
         PROPERTIES.iter().all(|def| {
             let (a, b) = (here.value(def.id), there.value(def.id));
-            let is_near = a.row().iter().zip(b.row()).all(|(a, b)| f64::from((a - b).abs()) <= SAME * f64::from(a.abs()).max(1.0));
+            let is_near =
+                a.row().iter().zip(b.row()).all(|(a, b)| f64::from((a - b).abs()) <= SAME * f64::from(a.abs()).max(1.0));
             is_near && self.material.slot(def.id).texture == back.slot(def.id).texture
         })
     }

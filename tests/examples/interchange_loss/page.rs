@@ -99,7 +99,8 @@ fn properties(page: &mut String, columns: &[Column]) {
     columns.iter().for_each(|column| _ = write!(page, " {} |", column.model.label));
     _ = writeln!(page, "\n| --- |{}", " --: |".repeat(columns.len()));
     for def in PROPERTIES {
-        let count = |column: &Column, fate| column.cells.iter().filter(|cell| cell.lost(fate).any(|name| name == def.name)).count();
+        let count =
+            |column: &Column, fate| column.cells.iter().filter(|cell| cell.lost(fate).any(|name| name == def.name)).count();
         let counts: Vec<[usize; 2]> =
             columns.iter().map(|column| [Fate::Dropped, Fate::Approximated].map(|fate| count(column, fate))).collect();
         if counts.as_flattened().iter().all(|count| *count == 0) {

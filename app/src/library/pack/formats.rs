@@ -18,8 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What every material is written as, with the word on the command line that is the name of its folder, too.
-pub const FORMATS: [(&str, Format); 3] =
-    [("usd", Format::Usda), ("materialx", Format::MaterialX), ("gltf", Format::Gltf)];
+pub const FORMATS: [(&str, Format); 3] = [("usd", Format::Usda), ("materialx", Format::MaterialX), ("gltf", Format::Gltf)];
 /// What the formats cost.
 pub(super) const LOSSES: &str = "losses.json";
 
@@ -74,7 +73,8 @@ pub(super) fn write_all(
         return Ok(Some(written));
     }
     let names = FileNames::of(content.materials.iter().flat_map(|one| &one.images).map(String::as_str));
-    let mut shelves: Vec<Shelf> = formats.chosen().map(|(word, _)| Shelf { root: folder.join(word), word, files: BTreeMap::new() }).collect();
+    let mut shelves: Vec<Shelf> =
+        formats.chosen().map(|(word, _)| Shelf { root: folder.join(word), word, files: BTreeMap::new() }).collect();
     let mut losses = Vec::new();
     let total = content.materials.len();
     for (done, (one, stem)) in content.materials.iter().zip(stems(&content.materials)).enumerate() {

@@ -243,8 +243,12 @@ fn every_format_holds_the_same_materials_again() {
     let colour = r#"{ "texture": { "path": "../metals/maps/a.png", "scale": [0.5, 0.5, 0.5] } }, "metallic": 0.1, "scatter_red_shift": 0.3"#;
     place.write("woods/a.asm.ron", "A", "MIT", colour);
     place.write("metals/a.asm.ron", "A", "CC0-1.0", &colour.replace("../metals/maps/a.png", "../textures/out.png"));
+    place.write("woods/f.asm.ron", "F", "MIT", r#"{ "texture": { "path": "builtin:wood-oak/roughness?mean=0.4" } }"#);
     let packed = place.pack_with("out", Formats::default()).unwrap().unwrap();
-    assert_eq!((packed.materials, packed.images, packed.warnings), (7, 3, vec![]));
+    assert_eq!((packed.materials, packed.images, packed.warnings), (8, 3, vec![]));
+    let made = ["gltf/textures", "gltf/f/textures"]
+        .map(|folder| fs::read(place.path("out").join(folder).join("wood-oak_roughness.png")));
+    assert!(made.iter().all(Result::is_ok) && made[0].as_ref().ok() != made[1].as_ref().ok(), "two made images of one name");
     let manifest: Value = serde_json::from_str(&place.read("out/manifest.json")).unwrap();
     let hashed: BTreeSet<&str> = manifest["files"].as_array().unwrap().iter().map(|row| row["path"].as_str().unwrap()).collect();
     for row in manifest["materials"].as_array().unwrap() {
