@@ -54,6 +54,7 @@ pub const MODELS: &[&ShadingModel] = &[
     &models::filament::MODEL,
     &models::dassault::MODEL,
     &models::specular_glossiness::MODEL,
+    &models::maps::MODEL,
 ];
 
 /// What a material becomes in a shading model.
