@@ -2,8 +2,8 @@
 
 mod common;
 
-use burnish_material::exchange::filament::{FilamentError, MAX_BYTES, Read, WriteOptions, read};
 use burnish_material::exchange::filament::{self, Written};
+use burnish_material::exchange::filament::{FilamentError, MAX_BYTES, Read, WriteOptions, read};
 use burnish_material::{Channel, Material, PROPERTIES, Property, TextureRef, Value};
 use common::material;
 use proptest::prelude::*;

@@ -1,10 +1,10 @@
 //! The way in: a file of any format to its materials, with the images that it holds.
 
-use super::Format;
 use super::error::{ExchangeError, Fault};
+use super::{Format, sets};
 use crate::files::{self, Embedded, OpenedMaterial};
 use burnish_assets::{BuiltInTexture, Image, Mesh, Model, Part, Role, decode_image, load_model};
-use burnish_material::exchange::{gltf, materialx, mdl, usd};
+use burnish_material::exchange::{filament, gltf, materialx, mdl, usd};
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::scene::TextureSet;
 use glam::{Vec2, Vec3};
@@ -28,7 +28,7 @@ pub struct Opened {
 }
 
 impl Opened {
-    fn of(material: &Material, folder: Option<&Path>, embedded: &Embedded, mut notes: Vec<String>) -> Self {
+    pub(super) fn of(material: &Material, folder: Option<&Path>, embedded: &Embedded, mut notes: Vec<String>) -> Self {
         let mut material = material.clone();
         for def in burnish_material::PROPERTIES {
             let slot = material.slot_mut(def.id);
@@ -100,8 +100,11 @@ pub(super) fn is_inside(path: &str) -> bool {
     !leaves || BuiltInTexture::parse(path).is_some()
 }
 
-/// Reads all materials of a file. At least one; notes about the file as a whole are the first one's.
+/// Reads all materials of a file, or of a folder of texture sets. At least one; notes about the whole are the first one's.
 pub fn open(path: &Path) -> Result<Vec<Opened>, ExchangeError> {
+    if path.is_dir() {
+        return sets::open_folder(path);
+    }
     let format = Format::of(path).ok_or_else(|| ExchangeError::UnknownFormat { path: path.to_path_buf() })?;
     let content = |fault| ExchangeError::Content { path: path.to_path_buf(), fault };
     let folder = path.parent();
@@ -136,6 +139,11 @@ pub fn open(path: &Path) -> Result<Vec<Opened>, ExchangeError> {
             let read = mdl::read(&text()?).map_err(|error| content(Fault::Mdl(error)))?;
             read.into_iter().map(|found| Opened::of(&found.material, folder, &Embedded::new(), found.notes)).collect()
         }
+        Format::Filament => {
+            let found = filament::read(&text()?).map_err(|error| content(Fault::Filament(error)))?;
+            vec![Opened::of(&found.material, folder, &Embedded::new(), found.notes)]
+        }
+        Format::TextureSet => vec![sets::open_copy(path)?],
     };
     opened.iter_mut().for_each(|found| found.notes.dedup());
     if opened.is_empty() { Err(ExchangeError::NoMaterial { path: path.to_path_buf() }) } else { Ok(opened) }
@@ -211,7 +219,7 @@ pub fn open_model(path: &Path) -> Option<(Model, Vec<String>)> {
             let bytes = files::read_file(path, MAX_BYTES).ok()?;
             usd_model(path, usd::usdz::read(&bytes).ok()?.layer().ok()?)
         }
-        Format::Native | Format::MaterialX | Format::Mdl => None,
+        Format::Native | Format::MaterialX | Format::Mdl | Format::Filament | Format::TextureSet => None,
     }
 }
 

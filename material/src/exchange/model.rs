@@ -49,6 +49,7 @@ pub const MODELS: &[&ShadingModel] = &[
     &models::open_pbr::MODEL,
     &models::standard_surface::MODEL,
     &models::gltf::MODEL,
+    &models::gltf_pbr::MODEL,
     &models::usd_preview::MODEL,
     &models::disney_principled::MODEL,
     &models::filament::MODEL,

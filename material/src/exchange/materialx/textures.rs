@@ -113,6 +113,14 @@ impl TextureGraph {
         self.node("normalmap", "vector3", &[("in", "vector3", feed), ("scale", "float", Feed::Value(&scale))])
     }
 
+    /// The node that gives the direction in a normal map, for surfaces that take no normal map.
+    pub fn direction(&mut self, texture: &TextureRef) -> String {
+        let green = if texture.is_inverted { -1.0 } else { 1.0 };
+        let image = self.image(texture, "vector3", false);
+        let image = self.affine(image, "vector3", &[2.0, 2.0 * green, 2.0], 1.0, "multiply");
+        self.affine(image, "vector3", &[-1.0, -green, -1.0], 0.0, "add")
+    }
+
     /// The node that turns the tangent about the normal: by turns counterclockwise, or by the turns that a node gives.
     pub fn tangent(&mut self, turns: Result<f64, String>) -> String {
         let world = [("space", "string", Feed::Value("world"))];

@@ -5,6 +5,7 @@ pub mod disney_principled;
 mod fates;
 pub mod filament;
 pub mod gltf;
+pub mod gltf_pbr;
 pub mod imageworks;
 pub mod maps;
 pub mod open_pbr;

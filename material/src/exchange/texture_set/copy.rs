@@ -112,7 +112,9 @@ pub fn merge(native: Option<NativeSet>, found: &[Placed], print_of: &dyn Fn(&str
             None => notes.push(format!("the image `{file}` of the set cannot be read; the native copy holds")),
             Some(now) if now == *print => continue,
             Some(_) if moved.is_empty() => {
-                notes.push(format!("another program changed the image `{file}`; no property reads it alone, so that the native copy holds"));
+                notes.push(format!(
+                    "another program changed the image `{file}`; no property reads it alone, so that the native copy holds"
+                ));
             }
             Some(_) => notes.push(format!("{}: another program changed the image `{file}`; it holds", names.join(", "))),
         }

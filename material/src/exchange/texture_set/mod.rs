@@ -20,8 +20,6 @@ use crate::value::{Kind, Value, Vary};
 const COPIED: [&str; 7] = ["png", "jpg", "jpeg", "tga", "tif", "tiff", "exr"];
 /// End of the name of the folder of originals, after that of the set.
 const ORIGINALS: &str = "_originals";
-/// Longest name of a set, in characters.
-const MAX_NAME: usize = 120;
 
 /// Which channels a set has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,17 +80,15 @@ pub struct TextureSet {
     pub notes: Vec<String>,
 }
 
-/// The plan of a texture set of this name. `last_name` gives the name that an image has without its folder, no two the same.
+/// The plan of a texture set. `name` is what its files begin with, which has to be fit for that; `last_name` gives the name that an image has without its folder, no two the same.
 pub fn plan(material: &Material, name: &str, last_name: &dyn Fn(&str) -> String, options: Options) -> TextureSet {
-    let name = file_stem(name);
     let native_file = format!("{name}.{}", copy::ENDING);
-    let mut set =
-        TextureSet { native_file, copies: Vec::new(), originals: Vec::new(), images: Vec::new(), notes: Vec::new() };
+    let mut set = TextureSet { native_file, copies: Vec::new(), originals: Vec::new(), images: Vec::new(), notes: Vec::new() };
     let is_held = |property: Property| is_held(options.flavour, property);
     if options.flavour == Flavour::SpecularGlossiness {
-        set.add(&specular_glossiness::MODEL, material, &name, options.has_uniform, |_| false);
+        set.add(&specular_glossiness::MODEL, material, name, options.has_uniform, |_| false);
     }
-    set.add(&maps::MODEL, material, &name, options.has_uniform, is_held);
+    set.add(&maps::MODEL, material, name, options.has_uniform, is_held);
     for texture in material.slots().filter_map(|(_, slot)| slot.texture.as_ref()) {
         let is_known = set.copies.iter().chain(&set.originals).any(|copy| copy.path == texture.path);
         if !is_known && !texture.path.is_empty() && !is_builtin(&texture.path) {
@@ -226,11 +222,4 @@ fn covers_the_square(texture: &TextureRef) -> bool {
 fn usage(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// A name that every file system takes.
-fn file_stem(name: &str) -> String {
-    let plain = |c: char| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '_' };
-    let stem: String = name.trim().chars().take(MAX_NAME).map(plain).collect();
-    if stem.is_empty() { "Material".to_owned() } else { stem }
 }
