@@ -4,6 +4,7 @@ use super::error::{ExchangeError, Fault};
 use super::{Format, sets};
 use crate::files::{self, Embedded, OpenedMaterial};
 use burnish_assets::{BuiltInTexture, Image, Mesh, Model, Part, Role, decode_image, load_model};
+use burnish_material::exchange::paths::refusal;
 use burnish_material::exchange::{filament, gltf, materialx, mdl, usd};
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::scene::TextureSet;
@@ -91,13 +92,9 @@ impl Opened {
     }
 }
 
-/// Whether the path of an image stays in the folder of the file that names it. Files of others could name anything else.
+/// Whether the path of an image stays in the folder of the file that names it, or is that of a texture that comes with the program.
 pub(super) fn is_inside(path: &str) -> bool {
-    let parts = || path.split(['/', '\\']);
-    let leaves = path.starts_with(['/', '\\'])
-        || parts().any(|part| part == "..")
-        || parts().next().is_some_and(|head| head.contains(':'));
-    !leaves || BuiltInTexture::parse(path).is_some()
+    refusal(path).is_none() && (!path.starts_with("builtin:") || BuiltInTexture::parse(path).is_some())
 }
 
 /// Reads all materials of a file, or of a folder of texture sets. At least one; notes about the whole are the first one's.

@@ -6,10 +6,11 @@
 
 use std::collections::HashMap;
 
-use super::image::{factors, refusal, reread};
+use super::image::{factors, reread};
 use super::nodes::readable_normal;
 use super::numbers;
 use super::xml_write::Xml;
+use crate::exchange::paths::refusal;
 use crate::exchange::uv::offset_from_below;
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
