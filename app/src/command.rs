@@ -72,7 +72,7 @@ commands! {
     CloseTab, "file.close", File, false, "Close", "Close this material; asks if it has unsaved changes.", [CTRL W];
     OpenLibrary, "file.library", File, false, "Open library…", "Show a folder of materials as a grid of pictures: search, edit many, drag onto the view.", [CTRL_SHIFT O];
     CompareRelease, "file.release", File, false, "Compare library with a release…", "List what is new, gone and changed by value and by look since an earlier release in a folder, for its notes.", [];
-    ExportMaterial, "file.export", File, false, "Export material…", "The material for other programs: glTF, MaterialX, USD or MDL, with what that costs told before.", [];
+    ExportMaterial, "file.export", File, false, "Export material…", "The material for other programs: glTF, MaterialX, USD, MDL, Filament or a texture set, with what that costs told before.", [];
     LoadModel, "file.mesh", File, true, "Load mesh…", "Show the material on a mesh from a .gltf, .glb or .ply file.", [];
     LoadEnvironment, "file.environment", File, false, "Load environment…", "Light the scene with an .hdr or .exr file.", [];
     LoadTextureSet, "file.texture_set", File, false, "Load texture set…", "Choose a folder of images; they are matched to properties by their names.", [];

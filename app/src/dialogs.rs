@@ -96,7 +96,7 @@ impl Purpose {
 
     fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenMaterial => ("Material", &["ron", "gltf", "glb", "mtlx", "usda", "usdz", "mdl"]),
+            Self::OpenMaterial => ("Material", &["ron", "gltf", "glb", "mtlx", "usda", "usdz", "mdl", "mat", "json"]),
             Self::SaveMaterial | Self::OpenLibrary | Self::ChooseVersion(_) | Self::CompareRelease => ("Material", &["ron"]),
             Self::SaveReport => ("Report", &["json", "txt"]),
             Self::SaveNotes => ("Notes", &["md", "txt"]),

@@ -1,7 +1,7 @@
 //! Files and built-in scenes, read and made in the background. The window only collects what is finished.
 
 use crate::background::Control;
-use crate::exchange::{Import, import, imported_images, load_mesh};
+use crate::exchange::{ExchangeError, Import, import, imported_images, load_mesh};
 use crate::files::{self, Embedded, OpenedMaterial};
 use crate::picture_file::embedded_job;
 use crate::texture_set;
@@ -214,10 +214,7 @@ fn load_set(folder: &Path, warnings: &mut Vec<String>) -> Result<Vec<SetImage>, 
     let found = texture_set::match_set(&texture_set::read_folder(folder)?);
     warnings.extend(found.unmatched.iter().map(|(path, why)| format!("{}: not used: {why}", path.display())));
     if found.slots.is_empty() {
-        return Err(format!(
-            "{}: expected images named after properties, such as wood_BaseColor.png, found none",
-            folder.display()
-        ));
+        return Err(ExchangeError::NoSet { path: folder.to_path_buf() }.to_string());
     }
     // A packed image serves several properties and is read once.
     let mut images: Vec<(PathBuf, Arc<Image>)> = Vec::new();

@@ -9,8 +9,9 @@ mod names;
 mod tests;
 
 use burnish_assets::is_image_path;
+use burnish_material::exchange::texture_set::copy::ENDING;
 use burnish_material::{Channel, Property};
-use names::{Meaning, Use, bits_of, meaning_of, resolution_of, words_of};
+use names::{Meaning, Use, bits_of, meaning_of, resolution_of, set_name, words_of};
 use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 
@@ -51,9 +52,25 @@ struct Candidate<'a> {
 /// Packed, ending, bits of the name, resolution, inverted, place of the name in the table, file name.
 type Rank = (bool, usize, Reverse<u32>, Reverse<u32>, bool, usize, String);
 
+/// The files of one set in a folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SetFiles {
+    /// Its name, as its files begin; empty where they have none.
+    pub name: String,
+    /// Its native copy.
+    pub native: Option<PathBuf>,
+    /// Its images, sorted.
+    pub files: Vec<PathBuf>,
+}
+
 /// Finds the texture of every property by file names alone. Order does not matter, apart from that of the files without use.
 pub fn match_set(files: &[PathBuf]) -> TextureSetMatch {
-    let words: Vec<Vec<String>> = files.iter().map(|file| words_of(&stem(file))).collect();
+    match_named(files, "")
+}
+
+/// The same for a set whose name is known, so that no word of it is taken for the name of a map.
+pub fn match_named(files: &[PathBuf], name: &str) -> TextureSetMatch {
+    let words: Vec<Vec<String>> = files.iter().map(|file| words_of(after_name(&stem(file), name))).collect();
     let images: Vec<&Vec<String>> = files.iter().zip(&words).filter(|(file, _)| is_image_path(file)).map(|(_, w)| w).collect();
     let common = common_end(&images);
     let mut reasons: Vec<Option<String>> = vec![None; files.len()];
@@ -101,6 +118,69 @@ pub fn match_set(files: &[PathBuf]) -> TextureSetMatch {
 ///
 /// The error is a sentence that names the folder: it cannot be read, or holds more than 10,000 entries.
 pub fn read_folder(path: &Path) -> Result<Vec<PathBuf>, String> {
+    list(path, &is_image_path)
+}
+
+/// A file that belongs to no set, and why.
+pub type LeftOut = (PathBuf, String);
+
+/// The sets of a folder in the order of their names, and the images that belong to none, each with a reason that follows its name.
+///
+/// A set is what begins alike before the name of a map, or begins as a native copy is called. The error is a sentence that names the folder.
+pub fn read_sets(path: &Path) -> Result<(Vec<SetFiles>, Vec<LeftOut>), String> {
+    let is_copy = |file: &Path| copy_name(file).is_some();
+    let copies = list(path, &is_copy)?;
+    let mut sets: Vec<SetFiles> = copies
+        .into_iter()
+        .map(|file| SetFiles { name: copy_name(&file).unwrap_or_default(), native: Some(file), files: Vec::new() })
+        .collect();
+    let count = sets.len();
+    let mut left = Vec::new();
+    let images = read_folder(path)?;
+    let words: Vec<Vec<String>> = images.iter().map(|file| words_of(&stem(file))).collect();
+    let common = common_end(&words.iter().collect::<Vec<_>>());
+    for (file, words) in images.into_iter().zip(&words) {
+        let stem = stem(&file);
+        let begins = |set: &&mut SetFiles| after_name(&stem, &set.name).len() < stem.len();
+        // Of `Wood` and `Wood_Old`, the longer one.
+        if let Some(set) = sets[..count].iter_mut().filter(begins).max_by_key(|set| set.name.len()) {
+            set.files.push(file);
+            continue;
+        }
+        let without_set = &words[..words.len().saturating_sub(common)];
+        let name = match set_name(&stem, words) {
+            Some(name) => name,
+            // The name of the set stands last.
+            None if meaning_of(without_set).is_some() => words[without_set.len()..].join("_"),
+            None => {
+                left.push((file, "does not end in a name of a map, such as BaseColor or Roughness".to_owned()));
+                continue;
+            }
+        };
+        match sets.iter_mut().find(|set| set.name.to_lowercase() == name.to_lowercase()) {
+            Some(set) => set.files.push(file),
+            None => sets.push(SetFiles { name, native: None, files: vec![file] }),
+        }
+    }
+    sets.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok((sets, left))
+}
+
+/// The name of the set that a file is the native copy of; `None` for other files.
+fn copy_name(file: &Path) -> Option<String> {
+    let name = file.file_name()?.to_string_lossy().into_owned();
+    let at = name.len().checked_sub(ENDING.len() + 1)?;
+    let ending = name.get(at..)?.strip_prefix('.')?;
+    (ending.eq_ignore_ascii_case(ENDING) && at > 0).then(|| name[..at].to_owned())
+}
+
+/// What stands behind the name of a set; the whole text where it does not begin so.
+fn after_name<'a>(stem: &'a str, name: &str) -> &'a str {
+    let rest = stem.get(..name.len()).filter(|start| start.eq_ignore_ascii_case(name)).map(|start| &stem[start.len()..]);
+    rest.and_then(|rest| rest.strip_prefix(['_', '-', ' ', '.'])).filter(|_| !name.is_empty()).unwrap_or(stem)
+}
+
+fn list(path: &Path, is_wanted: &dyn Fn(&Path) -> bool) -> Result<Vec<PathBuf>, String> {
     let unreadable = |problem: std::io::Error| format!("{}: cannot be read: {problem}", path.display());
     let mut files = Vec::new();
     for (count, entry) in std::fs::read_dir(path).map_err(unreadable)?.enumerate() {
@@ -109,7 +189,7 @@ pub fn read_folder(path: &Path) -> Result<Vec<PathBuf>, String> {
         }
         let file = entry.map_err(unreadable)?.path();
         // What a link leads to counts; one that leads nowhere or in circles is no file.
-        if is_image_path(&file) && std::fs::metadata(&file).is_ok_and(|metadata| metadata.is_file()) {
+        if is_wanted(&file) && std::fs::metadata(&file).is_ok_and(|metadata| metadata.is_file()) {
             files.push(file);
         }
     }

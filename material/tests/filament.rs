@@ -2,10 +2,15 @@
 
 mod common;
 
-use burnish_material::exchange::filament::{FilamentError, MAX_BYTES, Read, read, write};
+use burnish_material::exchange::filament::{self, Written};
+use burnish_material::exchange::filament::{FilamentError, MAX_BYTES, Read, WriteOptions, read};
 use burnish_material::{Channel, Material, PROPERTIES, Property, TextureRef, Value};
 use common::material;
 use proptest::prelude::*;
+
+fn write(material: &Material) -> Written {
+    filament::write(material, &WriteOptions::default())
+}
 
 fn opened(text: &str) -> Read {
     read(text).unwrap_or_else(|error| panic!("{error}\n{text}"))

@@ -3,7 +3,7 @@
 use super::App;
 use super::library::holds_materials;
 use crate::dock::Pane;
-use crate::exchange::Format;
+use crate::exchange::{Format, endings};
 use crate::files;
 use crate::loading::Job;
 use crate::panels::viewport;
@@ -74,7 +74,8 @@ impl App {
             Drop::Do(format!("Show {name} beside the view, to look at and pick colours from"), Job::Reference(file))
         } else {
             Drop::Refuse(format!(
-                "{name}: expected a material (.asm.ron, .gltf, .glb, .mtlx, .usda, .usdz, .mdl), a mesh (.gltf, .glb, .ply), an environment (.hdr, .exr), an image or a folder of images."
+                "{name}: expected a material ({}), a mesh (.gltf, .glb, .ply), an environment (.hdr, .exr), an image or a folder of images.",
+                endings()
             ))
         }
     }

@@ -55,7 +55,7 @@ impl App {
 
     fn measure_exchange(&mut self, ctx: &Context) {
         let (format, document) = (self.exchanging.page.format, &self.editor.document);
-        let (Some(model), Some(stage)) = (format.def().model, Stage::standard()) else { return };
+        let (Some(model), Some(stage)) = (format.def().model(), Stage::standard()) else { return };
         let (material, textures) = (document.material.clone(), document.textures.clone());
         let rows = self.exchanging.page.rows().to_vec();
         let drawing =
@@ -90,7 +90,7 @@ impl App {
             Some((object.1.clone(), model.unit_mm / 1000.0))
         });
         self.exchanging.saving.start("Exporting the material", ctx, move |control| {
-            let options = SaveOptions { mesh: mesh.as_ref().map(|(mesh, unit)| (&**mesh, *unit)), is_bare: false };
+            let options = SaveOptions { mesh: mesh.as_ref().map(|(mesh, unit)| (&**mesh, *unit)), ..SaveOptions::default() };
             let go_on = |share: f32| {
                 control.tell(share);
                 !control.is_cancelled()

@@ -1,6 +1,6 @@
 //! `burnish convert`: a material from one format to another, with a sheet of what that costs.
 
-use super::material_argument::{find_preset, preset_name};
+use super::material_argument::{chosen, find_preset, preset_name};
 use super::scene_options::{SceneOptions, positive};
 use super::target::refuse_target;
 use super::{CliError, Messages, Outcome, interrupt, one_line, print_out};
@@ -13,6 +13,7 @@ use crate::library::setup::{Frame, Setup, Stage};
 use crate::picture_diff::Drawing;
 use crate::picture_file::embedded_job;
 use burnish_assets::{Mesh, Progress, is_image_path, make_shape};
+use burnish_material::exchange::ShadingModel;
 use burnish_material::exchange::loss::{Fate, Row};
 use burnish_material::exchange::model::Context;
 use burnish_renderer::tonemap::Display;
@@ -27,7 +28,7 @@ const SIDE: usize = 192;
 /// Arguments of `burnish convert`.
 #[derive(Debug, Args)]
 pub struct ConvertArguments {
-    /// Material in any format that is read, a picture of ours, or preset:NAME
+    /// Material in any format that is read, a folder of texture sets, a picture of ours, or preset:NAME
     #[arg(value_name = "IN")]
     input: String,
     /// File whose ending says the format, or a folder: one file per material
@@ -36,9 +37,12 @@ pub struct ConvertArguments {
     /// Which of several materials, by name or number from 1 [default: all]
     #[arg(long, value_name = "NAME|INDEX")]
     material: Option<String>,
-    /// Format of the files in a folder, by its ending
+    /// Format of the files in a folder, by its ending; textures.json is a texture set: images named NAME_BaseColor.png and so on
     #[arg(long, value_name = "ENDING", default_value = "asm.ron")]
     format: String,
+    /// What the material becomes for other programs, where OUT can hold several models: of .mtlx open_pbr, standard_surface, gltf_pbr, usd_preview or disney_principled; of .textures.json metallic_roughness or specular_glossiness [default: the first of them]
+    #[arg(long, value_name = "NAME")]
+    model: Option<String>,
     /// Mesh that wears the material, for glTF and USD: built in, or a .gltf, .glb or .ply file
     #[arg(long, value_name = "NAME|FILE")]
     mesh: Option<String>,
@@ -72,6 +76,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<Outcome, CliError> {
     let is_folder = arguments.out.is_dir() || arguments.out.as_os_str().to_string_lossy().ends_with(['/', '\\']);
     let ending = if is_folder { PathBuf::from(format!("x.{}", arguments.format)) } else { arguments.out.clone() };
     let format = Format::of(&ending).ok_or_else(|| CliError::unusable(ExchangeError::UnknownFormat { path: ending.clone() }))?;
+    let model = arguments.model.as_deref().map(|name| model(format, name)).transpose()?.or(format.def().model());
     if !is_folder {
         refuse_target("OUT", &arguments.out)?;
     }
@@ -82,7 +87,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<Outcome, CliError> {
     interrupt::check()?;
     let sources: Vec<Source> = opened.iter().map(|opened| source(opened, &arguments.input, &mut messages)).collect();
     let mesh = arguments.mesh.as_deref().map(|text| mesh(text, &mut messages)).transpose()?;
-    let options = SaveOptions { mesh: mesh.as_ref().map(|(mesh, unit)| (mesh, *unit)), is_bare: arguments.bare };
+    let options = SaveOptions { mesh: mesh.as_ref().map(|(mesh, unit)| (mesh, *unit)), is_bare: arguments.bare, model };
     let go_on = |_: f32| interrupt::check().is_ok();
     let write = |sources: &[Source], out: &Path| {
         save(sources, out, options, &go_on).map_err(|error| match error {
@@ -111,7 +116,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<Outcome, CliError> {
     saved.notes.iter().for_each(|note| messages.warn_about(&arguments.out, note));
     let mut sheets = Vec::new();
     for (source, rows) in sources.iter().zip(saved.rows) {
-        let measured = if arguments.measure { measured(arguments, format, source, &rows)? } else { None };
+        let measured = if arguments.measure { measured(arguments, model, source, &rows)? } else { None };
         sheets.push(Sheet { name: source.material.name.clone(), rows, measured });
     }
     let report = report(arguments, &saved.files, &sheets, &messages);
@@ -144,21 +149,17 @@ fn read(input: &str, messages: &mut Messages) -> Result<Vec<Opened>, CliError> {
     Ok(opened)
 }
 
-/// The material that is meant, by its name in any case or its number from 1.
-fn chosen(mut opened: Vec<Opened>, wanted: &str, input: &str) -> Result<Opened, CliError> {
-    let by_name = opened.iter().position(|found| found.file.material().name.eq_ignore_ascii_case(wanted));
-    let by_number = || wanted.parse::<usize>().ok().filter(|n| (1..=opened.len()).contains(n)).map(|n| n - 1);
-    match by_name.or_else(by_number) {
-        Some(place) => Ok(opened.swap_remove(place)),
-        None => {
-            let names: Vec<&str> = opened.iter().map(|found| found.file.material().name.as_str()).collect();
-            let hint = super::suggest::hint(wanted, names.iter().copied());
-            Err(CliError::unusable(format!(
-                "--material: expected a name or a number from 1 to {} of {input}, found `{wanted}`{hint}",
-                opened.len()
-            )))
-        }
-    }
+/// The model of a format that is meant.
+fn model(format: Format, name: &str) -> Result<&'static ShadingModel, CliError> {
+    let def = format.def();
+    def.model_named(name).ok_or_else(|| {
+        let known: Vec<&str> = def.models.iter().map(|model| model.name).collect();
+        let expected = match known.as_slice() {
+            [] => format!("expected no model for .{}", def.ending),
+            known => format!("expected {} for .{}", known.join(", "), def.ending),
+        };
+        CliError::unusable(format!("--model: {expected}, found `{name}`"))
+    })
 }
 
 fn source(opened: &Opened, input: &str, messages: &mut Messages) -> Source {
@@ -206,8 +207,13 @@ fn file_names(sources: &[Source]) -> Vec<String> {
     names
 }
 
-fn measured(arguments: &ConvertArguments, format: Format, source: &Source, rows: &[Row]) -> Result<Option<Measured>, CliError> {
-    let (Some(model), Some(stage)) = (format.def().model, Stage::standard()) else { return Ok(None) };
+fn measured(
+    arguments: &ConvertArguments,
+    model: Option<&ShadingModel>,
+    source: &Source,
+    rows: &[Row],
+) -> Result<Option<Measured>, CliError> {
+    let (Some(model), Some(stage)) = (model, Stage::standard()) else { return Ok(None) };
     let setup = Setup::new(stage, Frame::default(), Vec::new());
     let before = Shown { material: &source.material, textures: &source.textures };
     let (material, textures) = without_native_copy(model, before, &Context::of(&source.material));

@@ -46,8 +46,9 @@ pub fn run(arguments: &DiffArguments) -> Result<Outcome, CliError> {
         refuse_target("--image", path)?;
     }
     let mut messages = Messages::default();
-    let a = load_file(&arguments.a, &mut messages)?;
-    let b = load_file(&arguments.b, &mut messages)?;
+    let choice = arguments.scene.choice.as_deref();
+    let a = load_file(&arguments.a, choice, &mut messages)?;
+    let b = load_file(&arguments.b, choice, &mut messages)?;
     let changes = file_changes(&a, &b);
     let flip_mean = match &arguments.image {
         Some(path) => Some(draw(arguments, path, &mut messages)?),

@@ -1,4 +1,5 @@
-//! `MATERIAL` on the command line: a path to a material file or to a picture of ours, or `preset:NAME`.
+//! `MATERIAL` on the command line: a path to a file of any format that holds materials, to a folder of texture sets or to a picture of ours, or
+//! `preset:NAME`; and `--material`, which says which of several.
 
 use super::set::outside_range;
 use super::{CliError, Messages, suggest};
@@ -39,14 +40,41 @@ pub fn find_preset(name: &str) -> Result<&'static burnish_presets::Preset, CliEr
     })
 }
 
-/// Reads what `MATERIAL` means. A refused value is an error here, whereas the editor opens the rest.
-pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliError> {
+/// The place of the material that `wanted` means, by its name in any case or its number from 1. `input`: what holds them.
+fn place_of(names: &[&str], wanted: &str, input: &str) -> Result<usize, CliError> {
+    let by_name = names.iter().position(|name| name.eq_ignore_ascii_case(wanted));
+    let by_number = || wanted.parse::<usize>().ok().filter(|n| (1..=names.len()).contains(n)).map(|n| n - 1);
+    by_name.or_else(by_number).ok_or_else(|| {
+        let hint = suggest::hint(wanted, names.iter().copied());
+        let count = names.len();
+        CliError::unusable(format!(
+            "--material: expected a name or a number from 1 to {count} of {input}, found `{wanted}`{hint}"
+        ))
+    })
+}
+
+/// The material that is meant among several.
+pub fn chosen(mut opened: Vec<Opened>, wanted: &str, input: &str) -> Result<Opened, CliError> {
+    let names: Vec<&str> = opened.iter().map(|found| found.file.material().name.as_str()).collect();
+    let place = place_of(&names, wanted, input)?;
+    Ok(opened.swap_remove(place))
+}
+
+/// An error where another material is asked for than the only one.
+fn expect_only(material: &Material, choice: Option<&str>, input: &str) -> Result<(), CliError> {
+    choice.map_or(Ok(()), |wanted| place_of(&[&material.name], wanted, input).map(|_| ()))
+}
+
+/// Reads what `MATERIAL` means; `choice`: what `--material` says. A refused value is an error here, whereas the editor opens the rest.
+pub fn load(text: &str, choice: Option<&str>, messages: &mut Messages) -> Result<LoadedMaterial, CliError> {
     let path = Path::new(text);
     if preset_name(text).is_none() && burnish_assets::is_image_path(path) {
-        return of_picture(path, messages);
+        let loaded = of_picture(path, messages)?;
+        expect_only(&loaded.material, choice, text)?;
+        return Ok(loaded);
     }
     if preset_name(text).is_none()
-        && let Some(opened) = of_other_format(path, messages)?
+        && let Some(opened) = of_other_format(path, choice, messages)?
     {
         let (textures, problems) = opened.textures();
         problems.iter().for_each(|problem| messages.warn_about(path, problem));
@@ -57,7 +85,7 @@ pub fn load(text: &str, messages: &mut Messages) -> Result<LoadedMaterial, CliEr
             ..LoadedMaterial::default()
         });
     }
-    let file = load_file(text, messages)?;
+    let file = load_file(text, choice, messages)?;
     let material = file.material().clone();
     if preset_name(text).is_some() {
         let (textures, problems) = files::load_textures(&material, None);
@@ -91,23 +119,22 @@ fn of_picture(path: &Path, messages: &mut Messages) -> Result<LoadedMaterial, Cl
 }
 
 /// The same as the file with its text, without its images.
-pub fn load_file(text: &str, messages: &mut Messages) -> Result<MaterialFile, CliError> {
-    if let Some(name) = preset_name(text) {
+pub fn load_file(text: &str, choice: Option<&str>, messages: &mut Messages) -> Result<MaterialFile, CliError> {
+    let path = Path::new(text);
+    let (place, (file, warnings)) = if let Some(name) = preset_name(text) {
         let preset = find_preset(name)?;
         let place = format!("preset:{}", preset.name);
-        let (file, warnings) = preset.parse().map_err(|error| CliError::unusable(format!("{place}: {error}")))?;
-        report(&place, &warnings, messages)?;
-        return Ok(file);
-    }
-    let path = Path::new(text);
-    if let Some(opened) = of_other_format(path, messages)? {
+        let read = preset.parse().map_err(|error| CliError::unusable(format!("{place}: {error}")))?;
+        (place, read)
+    } else if let Some(opened) = of_other_format(path, choice, messages)? {
         return Ok(opened.file);
-    }
-    if !path.exists() && burnish_presets::find(text).is_some() {
+    } else if !path.exists() && burnish_presets::find(text).is_some() {
         return Err(CliError::unusable(format!("{text}: there is no such file; did you mean `preset:{text}`?")));
-    }
-    let (file, warnings) = files::read_material(path).map_err(CliError::unusable)?;
-    report(text, &warnings, messages)?;
+    } else {
+        (text.to_owned(), files::read_material(path).map_err(CliError::unusable)?)
+    };
+    report(&place, &warnings, messages)?;
+    expect_only(file.material(), choice, &place)?;
     Ok(file)
 }
 
@@ -131,9 +158,11 @@ fn report(place: &str, warnings: &[Warning], messages: &mut Messages) -> Result<
     Ok(())
 }
 
-/// The first material of a file in another format; a warning names the others. `None` for a native file.
-fn of_other_format(path: &Path, messages: &mut Messages) -> Result<Option<Opened>, CliError> {
+/// The material of a file in another format, or of a folder of texture sets: the one that is chosen, else the first, and a warning names the
+/// others. `None` for a native file.
+fn of_other_format(path: &Path, choice: Option<&str>, messages: &mut Messages) -> Result<Option<Opened>, CliError> {
     match Format::of(path) {
+        None if path.is_dir() => {}
         None => {
             let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
             if ["usd", "usdc", "sbsar"].contains(&ending.as_str()) {
@@ -145,13 +174,22 @@ fn of_other_format(path: &Path, messages: &mut Messages) -> Result<Option<Opened
         Some(_) => {}
     }
     let mut all = open(path).map_err(CliError::unusable)?;
-    let others: Vec<String> = all.drain(1..).map(|other| other.file.material().name.clone()).collect();
-    if !others.is_empty() {
-        messages.warn(format!("{}: the first material is taken; the others are {}", path.display(), others.join(", ")));
-    }
-    let first = all.pop();
-    first.iter().flat_map(|first| &first.notes).for_each(|note| messages.warn_about(path, note));
-    Ok(first)
+    let taken = match choice {
+        Some(wanted) => Some(chosen(all, wanted, &path.display().to_string())?),
+        None => {
+            let others: Vec<String> = all.drain(1..).map(|other| other.file.material().name.clone()).collect();
+            if !others.is_empty() {
+                let others = others.join(", ");
+                messages.warn(format!(
+                    "{}: the first material is taken; --material chooses among the others: {others}",
+                    path.display()
+                ));
+            }
+            all.pop()
+        }
+    };
+    taken.iter().flat_map(|taken| &taken.notes).for_each(|note| messages.warn_about(path, note));
+    Ok(taken)
 }
 
 #[cfg(test)]
@@ -163,7 +201,7 @@ mod tests {
         let first = burnish_presets::presets().first().unwrap();
         let mut messages = Messages::default();
         for prefix in ["preset:", "PRESET:"] {
-            let loaded = load(&format!("{prefix}{}", first.name.to_uppercase()), &mut messages).unwrap();
+            let loaded = load(&format!("{prefix}{}", first.name.to_uppercase()), None, &mut messages).unwrap();
             assert_eq!(loaded.material.name, first.name);
         }
         assert!(messages.warnings().is_empty());
@@ -176,7 +214,7 @@ mod tests {
             ("nowhere.asm.ron", "nowhere.asm.ron: cannot be read"),
         ];
         for (text, expected) in cases {
-            let error = load(text, &mut messages).unwrap_err().to_string();
+            let error = load(text, None, &mut messages).unwrap_err().to_string();
             assert!(error.contains(expected), "{text}: {error}");
         }
     }

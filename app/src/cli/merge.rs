@@ -43,9 +43,9 @@ pub fn run(arguments: &MergeArguments) -> Result<Outcome, CliError> {
     }
     refuse_target("--out", &arguments.out)?;
     let mut messages = Messages::default();
-    let base = load_file(&arguments.base, &mut messages)?;
-    let a = load_file(&arguments.a, &mut messages)?;
-    let b = load_file(&arguments.b, &mut messages)?;
+    let base = load_file(&arguments.base, None, &mut messages)?;
+    let a = load_file(&arguments.a, None, &mut messages)?;
+    let b = load_file(&arguments.b, None, &mut messages)?;
     let MergedFile { merged, text, left_out } = merge_files(&base, &a, &b, arguments.prefer.unwrap_or(Side::A));
     interrupt::check()?;
     save_atomic(&arguments.out, text.as_bytes()).map_err(CliError::unusable)?;

@@ -41,9 +41,6 @@ pub struct RenderArguments {
     /// Stops when the estimated relMSE is below this; a percentage is its square root (2% = 0.0004)
     #[arg(long, value_name = "RELMSE", allow_hyphen_values = true, value_parser = relmse)]
     pub error: Option<f64>,
-    /// Not in this version
-    #[arg(long = "material", value_name = "NAME|INDEX", hide = true)]
-    choice: Option<String>,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
@@ -108,7 +105,6 @@ impl RenderArguments {
 fn render(arguments: &RenderArguments, default: Option<LoadedMaterial>) -> Result<Outcome, CliError> {
     let start = Instant::now();
     let mut messages = Messages::default();
-    refuse_later_options(arguments)?;
     refuse_target(&arguments.out)?;
     let loaded = arguments.scene.load_tiled(arguments.material.as_deref(), default, &mut messages)?;
     finish(arguments, &loaded, None, start, messages)
@@ -145,14 +141,6 @@ fn finish(
     rendered.first_image_seconds += loading_seconds;
     report(arguments, &rendered, &files, &messages)?;
     Ok(Outcome::Done)
-}
-
-/// Options of the contract whose engine comes later.
-fn refuse_later_options(arguments: &RenderArguments) -> Result<(), CliError> {
-    match arguments.choice {
-        Some(_) => Err(CliError::unusable("--material: not in this version; expected the options that --help lists")),
-        None => Ok(()),
-    }
 }
 
 /// Fails early where the picture could not be written after minutes of rendering.

@@ -28,6 +28,9 @@ const MAX_THREADS: usize = 1024;
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneOptions {
+    /// Which material of a file with several, by name or number from 1 [default: the first]
+    #[arg(long = "material", value_name = "NAME|INDEX")]
+    pub choice: Option<String>,
     /// Built-in mesh, or a .gltf, .glb or .ply file
     #[arg(long, value_name = "NAME|FILE", conflicts_with = "scene")]
     pub mesh: Option<String>,
@@ -115,7 +118,11 @@ impl SceneOptions {
         default: Option<LoadedMaterial>,
         messages: &mut Messages,
     ) -> Result<LoadedScene, CliError> {
-        let material = material.map(|text| material_argument::load(text, messages)).transpose()?.or(default);
+        let choice = self.choice.as_deref();
+        if let (None, Some(wanted)) = (material, choice) {
+            return Err(CliError::unusable(format!("--material {wanted}: expected a file with several materials before it")));
+        }
+        let material = material.map(|text| material_argument::load(text, choice, messages)).transpose()?.or(default);
         interrupt::check()?;
         let mut origin = Origin {
             replaces_material: material.is_some() || !self.set.is_empty(),

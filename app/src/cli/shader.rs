@@ -16,6 +16,9 @@ pub struct ShaderArguments {
     /// Material file (.asm.ron), picture of ours or preset:NAME
     #[arg(value_name = "MATERIAL")]
     material: String,
+    /// Which material of a file with several, by name or number from 1 [default: the first]
+    #[arg(long = "material", value_name = "NAME|INDEX")]
+    choice: Option<String>,
     /// Language of the code
     #[arg(long, value_name = "wgsl|hlsl|glsl|msl|spirv|osl", value_parser = language)]
     lang: Language,
@@ -34,12 +37,12 @@ pub struct ShaderArguments {
 pub fn run(arguments: &ShaderArguments) -> Result<Outcome, CliError> {
     refuse_target("--out", &arguments.out)?;
     let mut messages = Messages::default();
-    let text = &arguments.material;
+    let (text, choice) = (&arguments.material, arguments.choice.as_deref());
     // Images are the reader's, so only a picture that holds them is read with them.
     let is_picture = preset_name(text).is_none() && burnish_assets::is_image_path(Path::new(text));
     let material = match is_picture {
-        true => load(text, &mut messages)?.material,
-        false => Arc::new(load_file(text, &mut messages)?.material().clone()),
+        true => load(text, choice, &mut messages)?.material,
+        false => Arc::new(load_file(text, choice, &mut messages)?.material().clone()),
     };
     let options = ShaderOptions { is_uniform: arguments.uniform };
     let code = write(&material, arguments.lang, options).map_err(CliError::unusable)?;

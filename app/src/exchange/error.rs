@@ -2,7 +2,8 @@
 
 use crate::files::FilesError;
 use burnish_assets::{AssetError, Ended};
-use burnish_material::exchange::{gltf, materialx, mdl, usd};
+use burnish_material::exchange::texture_set::copy::SetError;
+use burnish_material::exchange::{filament, gltf, materialx, mdl, usd};
 use std::fmt;
 use std::path::PathBuf;
 
@@ -35,6 +36,13 @@ pub enum ExchangeError {
         /// The file.
         path: PathBuf,
     },
+    /// No image of a folder has a name that says what it is.
+    NoSet {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A folder cannot be read: a sentence that names it.
+    Folder(String),
     /// Somebody ended it.
     Cancelled,
 }
@@ -50,6 +58,10 @@ pub enum Fault {
     Usd(usd::UsdError),
     /// MDL.
     Mdl(mdl::MdlError),
+    /// Filament.
+    Filament(filament::FilamentError),
+    /// A texture set.
+    Set(SetError),
     /// An image of it.
     Image(String),
 }
@@ -60,11 +72,17 @@ impl fmt::Display for ExchangeError {
             Self::Files(error) => write!(f, "{error}"),
             Self::Mesh(error) => write!(f, "{error}"),
             Self::UnknownFormat { path } => {
-                write!(f, "{}: expected a name that ends in one of {}", path.display(), super::endings())
+                let expected = "expected a folder of images, or a name that ends in one of";
+                write!(f, "{}: {expected} {}", path.display(), super::endings())
             }
             Self::Content { path, fault } => write!(f, "{}: {fault}", path.display()),
             Self::NoMesh { path } => write!(f, "{}: expected at least one mesh, found none", path.display()),
             Self::NoMaterial { path } => write!(f, "{}: expected at least one material, found none", path.display()),
+            Self::NoSet { path } => {
+                let expected = "expected images named after properties, such as wood_BaseColor.png, found none";
+                write!(f, "{}: {expected}", path.display())
+            }
+            Self::Folder(sentence) => f.write_str(sentence),
             Self::Cancelled => f.write_str("cancelled; nothing was read or written"),
         }
     }
@@ -77,6 +95,8 @@ impl fmt::Display for Fault {
             Self::MaterialX(error) => write!(f, "{error}"),
             Self::Usd(error) => write!(f, "{error}"),
             Self::Mdl(error) => write!(f, "{error}"),
+            Self::Filament(error) => write!(f, "{error}"),
+            Self::Set(error) => write!(f, "{error}"),
             Self::Image(sentence) => f.write_str(sentence),
         }
     }

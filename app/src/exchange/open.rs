@@ -1,10 +1,11 @@
 //! The way in: a file of any format to its materials, with the images that it holds.
 
 use super::error::{ExchangeError, Fault};
-use super::{Format, own_text};
+use super::{Format, own_text, sets};
 use crate::files::{self, Embedded, OpenedMaterial};
 use burnish_assets::{BuiltInTexture, Ended, Progress};
-use burnish_material::exchange::{gltf, materialx, mdl, usd};
+use burnish_material::exchange::paths::refusal;
+use burnish_material::exchange::{filament, gltf, materialx, mdl, usd};
 use burnish_material::{Material, MaterialFile};
 use burnish_renderer::scene::TextureSet;
 use std::path::{Path, PathBuf};
@@ -27,7 +28,7 @@ pub struct Opened {
 }
 
 impl Opened {
-    fn of(material: &Material, folder: Option<&Path>, embedded: &Embedded, mut notes: Vec<String>) -> Self {
+    pub(super) fn of(material: &Material, folder: Option<&Path>, embedded: &Embedded, mut notes: Vec<String>) -> Self {
         let mut material = material.clone();
         for def in burnish_material::PROPERTIES {
             let slot = material.slot_mut(def.id);
@@ -93,16 +94,12 @@ pub fn textures_of(opened: &[Opened], progress: Progress<'_>) -> Result<(Texture
     files::load_textures_of(&materials, folder, &embedded.collect(), progress)
 }
 
-/// Whether the path of an image stays in the folder of the file that names it. Files of others could name anything else.
+/// Whether the path of an image stays in the folder of the file that names it, or is that of a texture that comes with the program.
 pub(super) fn is_inside(path: &str) -> bool {
-    let parts = || path.split(['/', '\\']);
-    let leaves = path.starts_with(['/', '\\'])
-        || parts().any(|part| part == "..")
-        || parts().next().is_some_and(|head| head.contains(':'));
-    !leaves || BuiltInTexture::parse(path).is_some()
+    refusal(path).is_none() && (!path.starts_with("builtin:") || BuiltInTexture::parse(path).is_some())
 }
 
-/// Reads all materials of a file. At least one; notes about the file as a whole are the first one's.
+/// Reads all materials of a file, or of a folder of texture sets. At least one; notes about the whole are the first one's.
 pub fn open(path: &Path) -> Result<Vec<Opened>, ExchangeError> {
     let opened = read(path)?.0;
     if opened.is_empty() { Err(ExchangeError::NoMaterial { path: path.to_path_buf() }) } else { Ok(opened) }
@@ -110,6 +107,9 @@ pub fn open(path: &Path) -> Result<Vec<Opened>, ExchangeError> {
 
 /// All materials of a file, and its meshes where they are read in the same go.
 pub(super) fn read(path: &Path) -> Result<(Vec<Opened>, Option<Vec<usd::FoundMesh>>), ExchangeError> {
+    if path.is_dir() {
+        return Ok((sets::open_folder(path)?, None));
+    }
     let format = Format::of(path).ok_or_else(|| ExchangeError::UnknownFormat { path: path.to_path_buf() })?;
     let content = |fault| ExchangeError::Content { path: path.to_path_buf(), fault };
     let folder = path.parent();
@@ -138,6 +138,11 @@ pub(super) fn read(path: &Path) -> Result<(Vec<Opened>, Option<Vec<usd::FoundMes
             let read = mdl::read(&text()?).map_err(|error| content(Fault::Mdl(error)))?;
             read.into_iter().map(|found| Opened::of(&found.material, folder, &Embedded::new(), found.notes)).collect()
         }
+        Format::Filament => {
+            let found = filament::read(&text()?).map_err(|error| content(Fault::Filament(error)))?;
+            vec![Opened::of(&found.material, folder, &Embedded::new(), found.notes)]
+        }
+        Format::TextureSet => vec![sets::open_copy(path)?],
     };
     opened.iter_mut().for_each(|found| found.notes.dedup());
     Ok((opened, meshes))

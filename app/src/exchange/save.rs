@@ -4,14 +4,14 @@ use super::bake::bake;
 use super::error::{ExchangeError, Fault};
 use super::names::FileNames;
 use super::open::is_inside;
-use super::{Format, FormatDef, own_text};
+use super::{Format, own_text, sets};
 use crate::export::rgba_png;
 use crate::files::{self, Embedded, save_atomic};
 use burnish_assets::{Image, Mesh};
 use burnish_material::exchange::loss::Row;
 use burnish_material::exchange::model::Context;
 use burnish_material::exchange::plan::Job;
-use burnish_material::exchange::{ShadingModel, gltf, materialx, mdl, usd};
+use burnish_material::exchange::{ShadingModel, filament, gltf, materialx, mdl, models, usd};
 use burnish_material::{Material, MaterialFile, TextureRef};
 use burnish_renderer::scene::TextureSet;
 use std::collections::{BTreeMap, BTreeSet};
@@ -70,6 +70,8 @@ pub struct SaveOptions<'a> {
     pub mesh: Option<(&'a Mesh, f64)>,
     /// Whether the translation stands alone, without the native copy: what other programs see.
     pub is_bare: bool,
+    /// One of the format's models, instead of its first.
+    pub model: Option<&'static ShadingModel>,
 }
 
 /// What was written.
@@ -85,9 +87,11 @@ pub struct Saved {
 
 /// Files beside a document, or inside of it.
 #[derive(Default)]
-struct Beside {
-    files: BTreeMap<String, Vec<u8>>,
-    notes: Vec<String>,
+pub(super) struct Beside {
+    /// What they hold, by path from the document.
+    pub files: BTreeMap<String, Vec<u8>>,
+    /// Sentences for the user.
+    pub notes: Vec<String>,
 }
 
 /// A document that is not on disk yet.
@@ -147,14 +151,13 @@ pub fn make(
         &portable
     };
     let fault = |fault| ExchangeError::Content { path: out.to_path_buf(), fault };
+    let Some(first) = sources.first() else { return Err(ExchangeError::NoMaterial { path: out.to_path_buf() }) };
+    let model = options.model.or(format.def().model());
     let mut beside = Beside::default();
     let (document, rows) = match format {
-        Format::Native => {
-            let Some(first) = sources.first() else { return Err(ExchangeError::NoMaterial { path: out.to_path_buf() }) };
-            (native(first, out.parent(), &mut beside), vec![Vec::new()])
-        }
+        Format::Native => (native(first, out.parent(), &mut beside), vec![Vec::new()]),
         Format::Gltf | Format::Glb => of_gltf(sources, out, options, &mut beside, go_on)?,
-        Format::MaterialX => of_materialx(sources, &mut beside, go_on)?,
+        Format::MaterialX => of_materialx(sources, model, &mut beside, go_on)?,
         Format::Usda | Format::Usdz => {
             let (text, rows) = of_usd(sources, options, &mut beside, go_on)?;
             let bytes = if format == Format::Usda {
@@ -168,12 +171,17 @@ pub fn make(
             (bytes, rows)
         }
         Format::Mdl => {
-            let Some(first) = sources.first() else { return Err(ExchangeError::NoMaterial { path: out.to_path_buf() }) };
             let names = names_of(std::slice::from_ref(first));
             copy_all(first, &mut beside, &|path| names.file(path));
             let path_of = |texture: &TextureRef| Some(names.file(&texture.path)).filter(|name| !name.is_empty());
             let text = mdl::write(&first.material, mdl::Flavour::Own, &path_of);
             (text.into_bytes(), vec![mdl::loss(&first.material, mdl::Flavour::Own)])
+        }
+        Format::Filament => of_filament(first, &stem(out), &mut beside, go_on)?,
+        Format::TextureSet => {
+            let name = set_name(out);
+            let text = sets::write(first, &name, model, &mut beside, go_on)?;
+            (text.into_bytes(), vec![super::rows(format, model, &first.material)])
         }
     };
     if !go_on(1.0) {
@@ -184,6 +192,12 @@ pub fn make(
 
 fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "material".to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// The name of a set: that of its file without the whole ending.
+fn set_name(path: &Path) -> String {
+    let stem = stem(path);
+    stem.rsplit_once('.').map_or(stem.clone(), |(name, _)| name.to_owned())
 }
 
 /// The text of the native file, with its images named from the folder it goes to.
@@ -208,10 +222,9 @@ fn native(source: &Source, folder: Option<&Path>, beside: &mut Beside) -> Vec<u8
 
 fn translated(
     sources: &[Source],
-    def: &FormatDef,
+    model: &ShadingModel,
     options: SaveOptions<'_>,
 ) -> Vec<burnish_material::exchange::model::Translation> {
-    let model: &ShadingModel = def.model.unwrap_or(&burnish_material::exchange::models::open_pbr::MODEL);
     sources.iter().map(|source| model.translate(&source.material, &context(source, options))).collect()
 }
 
@@ -237,7 +250,7 @@ fn of_gltf(
 ) -> Result<Document, ExchangeError> {
     let fault = |error| ExchangeError::Content { path: out.to_path_buf(), fault: Fault::Gltf(error) };
     let contexts: Vec<Context> = sources.iter().map(|source| context(source, options)).collect();
-    let translations = translated(sources, Format::Gltf.def(), options);
+    let translations = translated(sources, &models::gltf::MODEL, options);
     let parts: Vec<gltf::Part<'_>> = sources
         .iter()
         .zip(&translations)
@@ -264,7 +277,7 @@ fn of_gltf(
             None => beside.notes.push(format!("{}: expected an image, found none; not copied", copy.path)),
         }
     }
-    compute(&written.plan.jobs, &burnish_material::exchange::models::gltf::MODEL, sources, &contexts, beside, go_on)?;
+    compute(&written.plan.jobs, &models::gltf::MODEL, sources, &contexts, beside, go_on)?;
     let document = if Format::of(out) == Some(Format::Glb) {
         let images = std::mem::take(&mut beside.files);
         let glb = written.glb(|name| images.get(name).cloned()).map_err(fault)?;
@@ -284,21 +297,38 @@ fn of_gltf(
     Ok((document, translations.into_iter().map(|translation| translation.rows).collect()))
 }
 
-fn of_materialx(sources: &[Source], beside: &mut Beside, go_on: &dyn Fn(f32) -> bool) -> Result<Document, ExchangeError> {
+fn of_materialx(
+    sources: &[Source],
+    model: Option<&'static ShadingModel>,
+    beside: &mut Beside,
+    go_on: &dyn Fn(f32) -> bool,
+) -> Result<Document, ExchangeError> {
+    let surface = model.unwrap_or(&models::open_pbr::MODEL);
     let materials: Vec<&Material> = sources.iter().map(|source| &source.material).collect();
     let names = names_of(sources);
     let path = |path: &str| names.file(path);
-    let written = materialx::write(&materials, &materialx::WriteOptions { path: &path, ..Default::default() });
+    let written = materialx::write(&materials, &materialx::WriteOptions { surface, path: &path, folder: "" });
     let contexts: Vec<Context> = sources.iter().map(|source| Context::of(&source.material)).collect();
     sources.iter().for_each(|source| copy_all(source, beside, &path));
     let mut rows = Vec::new();
     for (place, material) in written.materials.into_iter().enumerate() {
         let jobs: Vec<Job> = material.images.into_iter().map(|image| Job { material: place, ..image }).collect();
-        compute(&jobs, &burnish_material::exchange::models::open_pbr::MODEL, sources, &contexts, beside, go_on)?;
+        compute(&jobs, surface, sources, &contexts, beside, go_on)?;
         beside.notes.extend(material.notes);
         rows.push(material.rows);
     }
     Ok((written.text.into_bytes(), rows))
+}
+
+fn of_filament(source: &Source, stem: &str, beside: &mut Beside, go_on: &dyn Fn(f32) -> bool) -> Result<Document, ExchangeError> {
+    let names = names_of(std::slice::from_ref(source));
+    let path = |path: &str| names.file(path);
+    let prefix = format!("{stem}_");
+    let written = filament::write(&source.material, &filament::WriteOptions { path: &path, prefix: &prefix });
+    copy_all(source, beside, &path);
+    let (sources, contexts) = (std::slice::from_ref(source), [Context::of(&source.material)]);
+    compute(&written.jobs, &models::filament::MODEL, sources, &contexts, beside, go_on)?;
+    Ok((written.text.into_bytes(), vec![written.rows]))
 }
 
 fn of_usd(
@@ -329,12 +359,13 @@ fn of_usd(
         compute(std::slice::from_ref(&job.job), job.model, sources, &contexts, beside, go_on)?;
     }
     beside.notes.extend(export.notes);
-    let rows = translated(sources, Format::Usda.def(), options).into_iter().map(|translation| translation.rows).collect();
+    let rows =
+        translated(sources, &models::usd_preview::MODEL, options).into_iter().map(|translation| translation.rows).collect();
     Ok((export.text, rows))
 }
 
 /// Computes images and keeps them as PNG.
-fn compute(
+pub(super) fn compute(
     jobs: &[Job],
     model: &ShadingModel,
     sources: &[Source],
@@ -370,7 +401,7 @@ fn copy_all(source: &Source, beside: &mut Beside, file: &dyn Fn(&str) -> String)
 }
 
 /// The bytes of the image that a material calls `path`: as they are on disk, or made. `None` if the material does not name it.
-fn image_bytes(source: &Source, path: &str) -> Option<Result<Vec<u8>, String>> {
+pub(super) fn image_bytes(source: &Source, path: &str) -> Option<Result<Vec<u8>, String>> {
     if let Some(bytes) = source.embedded.get(path) {
         return Some(Ok(bytes.to_vec()));
     }
@@ -388,7 +419,7 @@ fn image_bytes(source: &Source, path: &str) -> Option<Result<Vec<u8>, String>> {
 }
 
 /// Names beside a document for the images of some materials.
-fn names_of(sources: &[Source]) -> FileNames {
+pub(super) fn names_of(sources: &[Source]) -> FileNames {
     let slots = sources.iter().flat_map(|source| source.material.slots());
     FileNames::of(slots.filter_map(|(_, slot)| slot.texture.as_ref()).map(|texture| texture.path.as_str()))
 }

@@ -57,7 +57,7 @@ impl ExchangePage {
         if self.known.as_ref().is_some_and(|(format, known)| *format == self.format && known == material) {
             return;
         }
-        self.rows = rows(self.format, material);
+        self.rows = rows(self.format, self.format.def().model(), material);
         (self.known, self.measured) = (Some((self.format, material.clone())), None);
     }
 
@@ -116,7 +116,7 @@ impl ExchangePage {
                 });
             }
             (None, Some(measured)) => _ = ui.label(sentence(measured)),
-            (None, None) if self.format.def().model.is_none() => {}
+            (None, None) if self.format.def().models.is_empty() => {}
             (None, None) => {
                 let button = ui.button("Measure the difference");
                 if button.on_hover_text("Draws the material as it is and as other programs see it, and tells which property explains the difference.").clicked() {

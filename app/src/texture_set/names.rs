@@ -109,18 +109,36 @@ pub(super) fn words_of(name: &str) -> Vec<String> {
 
 /// What the last words of a name say about a picture.
 pub(super) fn meaning_of(words: &[String]) -> Option<Meaning> {
+    meaning_at(words).map(|(_, meaning)| meaning)
+}
+
+/// What stands before the name of the map: the name of the set, without resolutions and formats at its end. `None` where no map is named.
+pub(super) fn set_name(stem: &str, words: &[String]) -> Option<String> {
+    let (mut count, _) = meaning_at(words)?;
+    let says_nothing = |word: &String| SUFFIXES.contains(&word.as_str()) || resolution_of(std::slice::from_ref(word)) > 0;
+    while words[..count].last().is_some_and(says_nothing) {
+        count -= 1;
+    }
+    let letters = words[..count].iter().map(|word| word.chars().count()).sum();
+    let mut ends = stem.char_indices().filter(|(_, c)| c.is_alphanumeric()).map(|(at, c)| at + c.len_utf8());
+    let end = ends.nth(usize::checked_sub(letters, 1).unwrap_or(usize::MAX)).unwrap_or(0);
+    Some(stem[..end].to_owned())
+}
+
+/// The number of words before the name of a map, and what it says.
+fn meaning_at(words: &[String]) -> Option<(usize, Meaning)> {
     if let [before @ .., resolution, workflow] = words
         && WORKFLOWS.contains(&workflow.as_str())
         && resolution_of(std::slice::from_ref(resolution)) > 0
-        && let Some(meaning) = meaning_of(before)
+        && let Some(found) = meaning_at(before)
     {
-        return Some(meaning);
+        return Some(found);
     }
     let mut end = words.len();
     loop {
         // The longest name counts: a coat's roughness is no roughness.
-        let starts = end.saturating_sub(MAX_WORDS)..end;
-        let found = starts.into_iter().find_map(|start| named(&words[start..end].concat()));
+        let mut starts = end.saturating_sub(MAX_WORDS)..end;
+        let found = starts.find_map(|start| Some((start, named(&words[start..end].concat())?)));
         if found.is_some() || !words[..end].last().is_some_and(|word| is_suffix(word)) {
             return found;
         }

@@ -4,7 +4,7 @@ use super::Place;
 use serde_json::json;
 use std::fs;
 
-const FORMATS: [&str; 6] = ["gltf", "glb", "mtlx", "usda", "usdz", "mdl"];
+const FORMATS: [&str; 8] = ["gltf", "glb", "mtlx", "usda", "usdz", "mdl", "mat", "textures.json"];
 
 /// Every property off its default, with numbers that single precision does not hold.
 const FULL: &str = r#"{
@@ -144,9 +144,81 @@ fn several_materials_become_several_files() {
     assert_eq!(run.code, Some(0), "{}", run.err);
     let run = place.run(&["convert", "two.gltf", "none.mtlx", "--material", "lod"]);
     assert!(run.code == Some(2) && run.err.contains("did you mean `Lid`"), "{}", run.err);
-    // A material argument takes the first.
+    // A material argument takes the first, or the one that is chosen.
     let run = place.render(&["two.gltf", "--spp", "1", "--out", "a.png"]);
     assert!(run.code == Some(0) && run.err.contains("Lid"), "{}", run.err);
+    let run = place.render(&["two.gltf", "--material", "lid", "--spp", "1", "--out", "b.png"]);
+    assert_eq!((run.code, run.err.as_str()), (Some(0), ""));
+    let name = |picture: &str| {
+        let run = place.run(&["convert", picture, "of-picture.asm.ron"]);
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        fs::read_to_string(place.path("of-picture.asm.ron")).unwrap()
+    };
+    assert!(name("a.png").contains("Body") && name("b.png").contains("Lid"));
+    let run = place.run(&["diff", "two.gltf", "parts/Lid.asm.ron", "--material", "Lid"]);
+    assert_eq!(run.code, Some(0), "{}{}", run.out, run.err);
+    let run = place.run(&["shader", "two.gltf", "--material", "2", "--lang", "wgsl", "--out", "lid.wgsl"]);
+    assert_eq!((run.code, run.err.as_str()), (Some(0), ""));
+    let run = place.run(&["shader", "two.gltf", "--material", "3", "--lang", "wgsl", "--out", "lid.wgsl"]);
+    assert!(run.code == Some(2) && run.err.contains("from 1 to 2 of two.gltf"), "{}", run.err);
+}
+
+#[test]
+fn every_model_of_a_format_gives_back_the_same_material() {
+    let place = Place::new();
+    place.write("full.asm.ron", FULL);
+    for (out, model, word) in [
+        ("a.mtlx", "open_pbr", "<open_pbr_surface "),
+        ("b.mtlx", "standard_surface", "<standard_surface "),
+        ("c.mtlx", "gltf_pbr", "<gltf_pbr "),
+        ("d.mtlx", "UsdPreviewSurface", "<UsdPreviewSurface "),
+        ("e.mtlx", "disney_principled", "<disney_principled "),
+        ("f.textures.json", "metallic_roughness", "f_Metallic.png"),
+        ("g.textures.json", "specular_glossiness", "g_Glossiness.png"),
+    ] {
+        let run = place.run(&["convert", "full.asm.ron", out, "--model", model, "--json"]);
+        assert_eq!(run.code, Some(0), "{model}: {}", run.err);
+        assert!(fs::read_to_string(place.path(out)).unwrap().contains(word), "{model}");
+        let run = place.run(&["convert", out, "back.asm.ron"]);
+        assert_eq!((run.code, run.err.as_str()), (Some(0), ""), "{model}");
+        let run = place.run(&["diff", "full.asm.ron", "back.asm.ron"]);
+        assert_eq!(run.code, Some(0), "{model}: {}", run.out);
+    }
+}
+
+#[test]
+fn folders_of_images_become_a_material_for_each_set() {
+    let place = Place::new();
+    fs::create_dir(place.path("maps")).unwrap();
+    let save = |name: &str, level: u8| {
+        image::save_buffer(place.path(name), &[level; 16], 4, 4, image::ExtendedColorType::L8).unwrap();
+    };
+    for name in ["Wood_BaseColor", "Wood_Roughness", "Old-Brick_2k_Roughness", "Old-Brick_normal_2k", "preview"] {
+        save(&format!("maps/{name}.png"), 100);
+    }
+    let run = place.run(&["convert", "maps", "out/"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.err.contains("preview.png") && run.err.trim().lines().count() == 1, "{}", run.err);
+    let text = |name: &str| fs::read_to_string(place.path(name)).unwrap();
+    let (wood, brick) = (text("out/Wood.asm.ron"), text("out/Old-Brick.asm.ron"));
+    assert!(wood.contains("../maps/Wood_BaseColor.png") && wood.contains("../maps/Wood_Roughness.png"), "{wood}");
+    assert!(brick.contains("Old-Brick_normal_2k.png") && !brick.contains("Wood"), "{brick}");
+    let run = place.render(&["maps", "--material", "wood", "--spp", "1", "--out", "a.png"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    // A set that lies where its images come from, with one that is painted over and one that is new.
+    let run = place.run(&["convert", "out/Wood.asm.ron", "set/", "--format", "textures.json"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let run = place.run(&["convert", "set/", "back.asm.ron"]);
+    assert_eq!((run.code, run.err.as_str()), (Some(0), ""));
+    save("set/Wood_Roughness.png", 200);
+    save("set/Wood_Metallic.png", 255);
+    let run = place.run(&["convert", "set/Wood.textures.json", "edited.asm.ron"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let lines: Vec<&str> = run.err.trim().lines().collect();
+    assert!(lines.len() == 2 && lines[0].contains("roughness") && lines[1].contains("metallic"), "{}", run.err);
+    let run = place.run(&["diff", "back.asm.ron", "edited.asm.ron", "--json"]);
+    let changed = run.json()["changed"].as_array().unwrap().clone();
+    assert!(changed.iter().all(|row| row["property"].as_str().unwrap().starts_with("metallic")), "{changed:?}");
 }
 
 #[test]
@@ -161,6 +233,8 @@ fn what_is_no_material_is_one_sentence() {
         ("f.mdl", "mdl 1.7;"),
         ("g.glb", "glTF"),
         ("h.blend", ""),
+        ("i.mat", "material {}"),
+        ("j.textures.json", "{}"),
     ] {
         place.write(name, text);
         let run = place.run(&["convert", name, "out.asm.ron"]);

@@ -1,6 +1,16 @@
 //! What a glTF document's URIs point to: a file beside it, or bytes in the URI itself.
 
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use base64::{DecodeError, Engine};
+use percent_encoding::percent_decode_str;
 use std::path::PathBuf;
+
+/// Base64 with or without padding.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent).with_decode_allow_trailing_bits(true),
+);
 
 /// Where data are.
 #[derive(Debug, PartialEq, Eq)]
@@ -34,46 +44,25 @@ pub(super) fn locate(uri: &str) -> Result<Location, String> {
 
 /// Replaces `%41` by the byte it stands for.
 fn decode_percent(text: &str) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.as_bytes();
-    while let Some((&first, tail)) = rest.split_first() {
-        if first != b'%' {
-            bytes.push(first);
-            rest = tail;
-            continue;
-        }
-        let digits = tail.get(..2).and_then(|digits| str::from_utf8(digits).ok());
-        let byte = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok());
-        bytes.push(byte.ok_or("expected two hexadecimal digits after %")?);
-        rest = &tail[2..];
+    let is_escape = |rest: &str| rest.as_bytes().get(..2).is_some_and(|digits| digits.iter().all(u8::is_ascii_hexdigit));
+    if !text.split('%').skip(1).all(is_escape) {
+        return Err("expected two hexadecimal digits after %".to_owned());
     }
-    Ok(bytes)
+    Ok(percent_decode_str(text).collect())
 }
 
-/// Decodes base64 of the standard or the URL alphabet, with or without padding; white space is skipped.
+/// Decodes base64 of the standard or the URL alphabet; white space is skipped.
 fn decode_base64(text: &str) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut count) = (0_u32, 0);
-    for (k, letter) in text.bytes().enumerate() {
-        let value = match letter {
-            b'A'..=b'Z' => letter - b'A',
-            b'a'..=b'z' => letter - b'a' + 26,
-            b'0'..=b'9' => letter - b'0' + 52,
-            b'+' | b'-' => 62,
-            b'/' | b'_' => 63,
-            b'=' => break,
-            _ if letter.is_ascii_whitespace() => continue,
-            _ => return Err(format!("expected base64, found the byte {letter:#04x} at {k}")),
-        };
-        bits = bits << 6 | u32::from(value);
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            bytes.push((bits >> count) as u8);
-            bits &= (1 << count) - 1;
-        }
-    }
-    Ok(bytes)
+    let plain = |c: char| match c {
+        '-' => '+',
+        '_' => '/',
+        c => c,
+    };
+    let standard: String = text.chars().filter(|c| !c.is_ascii_whitespace()).map(plain).collect();
+    BASE64.decode(standard).map_err(|error| match error {
+        DecodeError::InvalidByte(at, byte) => format!("expected base64, found the byte {byte:#04x} at {at}"),
+        error => format!("expected base64: {error}"),
+    })
 }
 
 #[cfg(test)]

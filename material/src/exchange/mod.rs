@@ -19,6 +19,7 @@ pub mod model;
 pub mod models;
 pub mod native;
 pub mod page;
+pub mod paths;
 pub mod plan;
 pub mod texture;
 pub mod texture_set;

@@ -49,11 +49,13 @@ pub const MODELS: &[&ShadingModel] = &[
     &models::open_pbr::MODEL,
     &models::standard_surface::MODEL,
     &models::gltf::MODEL,
+    &models::gltf_pbr::MODEL,
     &models::usd_preview::MODEL,
     &models::disney_principled::MODEL,
     &models::filament::MODEL,
     &models::dassault::MODEL,
     &models::specular_glossiness::MODEL,
+    &models::maps::MODEL,
 ];
 
 /// What a material becomes in a shading model.

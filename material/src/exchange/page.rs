@@ -9,6 +9,35 @@ use crate::material::Material;
 use crate::properties::PROPERTIES;
 use crate::value::Value;
 
+/// Where files hold a model, by its name.
+const FILES: &[(&str, &str)] = &[
+    ("open_pbr_surface", "MaterialX (`.mtlx`), beside the native copy."),
+    ("standard_surface", "MaterialX (`.mtlx`) with `--model standard_surface`."),
+    ("gltf", "glTF (`.gltf`, `.glb`)."),
+    ("gltf_pbr", "MaterialX (`.mtlx`) with `--model gltf_pbr`."),
+    ("usd_preview_surface", "USD (`.usda`, `.usdz`); MaterialX (`.mtlx`) with `--model usd_preview_surface`."),
+    ("disney_principled", "MaterialX (`.mtlx`) with `--model disney_principled`."),
+    (
+        "filament",
+        "Definitions of Filament (`.mat`): images are parameters that the application binds, and comments name the file of each.",
+    ),
+    (
+        "dassault_enterprise_pbr",
+        "None of its own. The draft of a glTF extension, `3DS_materials_enterprise_pbr`, is not what its sample renderer reads: that takes glTF with the ratified extensions, \
+         so write `.gltf`. The table tells what its parameters mean.",
+    ),
+    (
+        "specular_glossiness",
+        "Texture sets (`NAME.textures.json` with `NAME_Diffuse.png`, `NAME_Specular.png`, `NAME_Glossiness.png`) with `--model specular_glossiness`. glTF's archived extension \
+         `KHR_materials_pbrSpecularGlossiness` is read and not written.",
+    ),
+    (
+        "metallic_roughness",
+        "Texture sets (`NAME.textures.json`, the native copy, with `NAME_BaseColor.png` and so on). Images that had to be changed lie in `NAME_originals` as they were. Folders of images \
+         by others are read by their names.",
+    ),
+];
+
 /// What the numbers of the formulas in the code mean.
 const FORMULAS: &[(&str, &str)] = &[
     (
@@ -64,6 +93,9 @@ pub fn interchange_page() -> String {
     // Writing to a String cannot fail.
     for model in MODELS {
         _ = writeln!(page, "\n## {}\n", model.label);
+        if let Some((_, files)) = FILES.iter().find(|(name, _)| *name == model.name) {
+            _ = writeln!(page, "Files: {files}\n");
+        }
         table(&mut page, &model.translate(&material, &Context::of(&material)).rows);
     }
     _ = writeln!(page, "\n## {}\n", imageworks::LABEL);

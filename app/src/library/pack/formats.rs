@@ -193,7 +193,7 @@ fn loss(format: Format, path: &str, made: &Made) -> Value {
     };
     json!({
         "file": path,
-        "model": format.def().model.map(|model| model.name),
+        "model": format.def().model().map(|model| model.name),
         "rows": lost.map(row).collect::<Vec<_>>(),
         "notes": made.notes,
     })

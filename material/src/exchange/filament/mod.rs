@@ -1,7 +1,7 @@
 //! Material definitions of Filament (`.mat`): the lit model, as text.
 //!
 //! [`write()`] makes a definition whose fragment block sets the parameters; images are parameters of the material that the application binds,
-//! and [`Written`] says which. The native copy stands in a comment. [`read()`] takes that copy, and assignments of plain numbers; everything
+//! and comments say which, as [`Written`] does. The native copy stands in a comment. [`read()`] takes that copy, and assignments of plain numbers; everything
 //! else of a definition is a program, which is told and not read.
 
 mod read;
@@ -11,7 +11,7 @@ use super::model::Context;
 use crate::material::Material;
 
 pub use read::{FilamentError, MAX_BYTES, Read, read};
-pub use write::{Bound, Written, write};
+pub use write::{Bound, WriteOptions, Written, write};
 
 /// What stands before the JSON of the native copy.
 const NATIVE: &str = "// asm: ";

@@ -37,13 +37,27 @@ pub struct Written {
     pub rows: Vec<Row>,
 }
 
+/// Where the images of a definition lie.
+pub struct WriteOptions<'a> {
+    /// The path beside the definition of an image whose path a material has.
+    pub path: &'a dyn Fn(&str) -> String,
+    /// What stands before the names of computed images.
+    pub prefix: &'a str,
+}
+
+impl Default for WriteOptions<'_> {
+    fn default() -> Self {
+        Self { path: &str::to_owned, prefix: "" }
+    }
+}
+
 /// Parameters that only a refracting material has.
 const REFRACTION: [&str; 4] = ["ior", "transmission", "absorption", "thickness"];
 /// Parameters that have to be set before the shading is prepared.
 const NORMALS: [&str; 2] = ["normal", "clearCoatNormal"];
 
 /// Makes a definition of a material.
-pub fn write(material: &Material) -> Written {
+pub fn write(material: &Material, options: &WriteOptions) -> Written {
     let (inputs, translation) = (material.inputs(), MODEL.translate(material, &context(material)));
     let said = |name: &str| translation.fields.get(Filament::FIELDS, name).is_some_and(|field| field.is_authored);
     let computed = |place: usize| translation.images.iter().find(|image| image.field == place);
@@ -53,7 +67,7 @@ pub fn write(material: &Material) -> Written {
     for (place, (def, field)) in Filament::FIELDS.iter().zip(&translation.fields.0).enumerate() {
         let (name, _) = split(def.name);
         let own_image = computed(place).and_then(|image| {
-            let file = format!("{}.png", parameter(def.name));
+            let file = format!("{}{}.png", options.prefix, parameter(def.name));
             let value_of = |inputs: &Inputs<f64>| (MODEL.translate)(inputs, &context(material)).get(place).copied();
             let factor = largest(image, &inputs, value_of).max(1.0);
             Job::of_parameter(&MODEL, image, file, factor).map(|job| (job, factor))
@@ -68,9 +82,10 @@ pub fn write(material: &Material) -> Written {
         let into = if NORMALS.contains(&name) { &mut early } else { &mut late };
         let right = match texture.as_ref().or(field.texture.as_ref()) {
             Some(texture) => {
+                let is_computed = jobs.iter().any(|job: &Job| job.file == texture.path);
                 bound.push(Bound {
                     parameter: parameter(def.name),
-                    path: texture.path.clone(),
+                    path: if is_computed { texture.path.clone() } else { (options.path)(&texture.path) },
                     is_srgb: def.default.kind() == Kind::Color,
                 });
                 sampled(def, texture)
@@ -89,8 +104,25 @@ pub fn write(material: &Material) -> Written {
         "{head}\nfragment {{\n    void material(inout MaterialInputs material) {{\n{early}        prepareMaterial(material);\n{late}    }}\n}}\n"
     );
     let record = read::assignments(&body).fields;
-    let copy = native::write(material, Some((Filament::FIELDS, &record)));
-    Written { text: format!("{NATIVE}{copy}\n{body}"), bound, jobs, rows: translation.rows }
+    let copy = native::write(&moved(material, options), Some((Filament::FIELDS, &record)));
+    let images = bound.iter().map(|Bound { parameter, path, is_srgb }| {
+        format!("// {parameter}: {path:?}{}\n", if *is_srgb { ", an sRGB format" } else { "" })
+    });
+    let images: String = images.collect();
+    Written { text: format!("{NATIVE}{copy}\n{images}{body}"), bound, jobs, rows: translation.rows }
+}
+
+/// The material with its images where they lie beside the definition. Textures that come with the program are the same everywhere.
+fn moved(material: &Material, options: &WriteOptions) -> Material {
+    let mut moved = material.clone();
+    for (property, slot) in material.slots() {
+        let is_file = |texture: &&TextureRef| !texture.path.starts_with("builtin:");
+        let path = slot.texture.as_ref().filter(is_file).map(|texture| (options.path)(&texture.path));
+        if let (Some(path), Some(texture)) = (path, &mut moved.slot_mut(property).texture) {
+            texture.path = path;
+        }
+    }
+    moved
 }
 
 fn head(material: &Material, bound: &[Bound], has_alpha: bool, is_refracting: bool) -> String {

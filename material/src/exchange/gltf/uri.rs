@@ -1,26 +1,44 @@
 //! Names of files in documents: which are taken, and how they are spelled.
 
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use base64::{DecodeError, Engine};
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
+
 use super::error::start_of;
+use crate::exchange::paths::refusal;
 
 /// Longest path that is taken, in bytes.
 const MAX_PATH_BYTES: usize = 1024;
 
+/// What is escaped in the URI of a path.
+const ESCAPED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/');
+
+/// Base64 with or without padding.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent).with_decode_allow_trailing_bits(true),
+);
+
 /// The path that a URI of a document means, relative to its folder; an error is what was expected and found.
 pub(super) fn read(uri: &str) -> Result<String, String> {
     let problem = || format!("expected a relative path, found \"{}\"", start_of(uri));
-    let decoded = decode_percent(uri).and_then(|bytes| String::from_utf8(bytes).ok()).ok_or_else(problem)?;
+    let is_escape = |rest: &str| rest.as_bytes().get(..2).is_some_and(|digits| digits.iter().all(u8::is_ascii_hexdigit));
+    if !uri.split('%').skip(1).all(is_escape) {
+        return Err(problem());
+    }
+    let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| problem())?;
     safe(&decoded).ok_or_else(problem)
 }
 
 /// A path inside of the document's folder, tidied; `None` for absolute paths, addresses, and what leaves the folder.
 pub(super) fn safe(path: &str) -> Option<String> {
-    let path = path.replace('\\', "/");
-    let has_scheme = path.split('/').next().is_some_and(|head| head.contains(':'));
-    if path.len() > MAX_PATH_BYTES || path.starts_with('/') || has_scheme || path.chars().any(char::is_control) {
+    let is_plain = path.len() <= MAX_PATH_BYTES && !path.chars().any(char::is_control) && !path.starts_with("builtin:");
+    if !is_plain || refusal(path).is_some() {
         return None;
     }
     let mut kept: Vec<&str> = Vec::new();
-    for part in path.split('/') {
+    for part in path.split(['/', '\\']) {
         match part {
             "" | "." => {}
             ".." => _ = kept.pop()?,
@@ -32,14 +50,7 @@ pub(super) fn safe(path: &str) -> Option<String> {
 
 /// The URI that means a relative path.
 pub(super) fn write(path: &str) -> String {
-    let mut uri = String::with_capacity(path.len());
-    for byte in path.bytes() {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => uri.push(char::from(byte)),
-            _ => uri += &format!("%{byte:02X}"),
-        }
-    }
-    uri
+    utf8_percent_encode(path, ESCAPED).to_string()
 }
 
 /// A word of letters, digits, `-` and `_` that any system takes as a part of a file name; `material` where nothing is left.
@@ -55,22 +66,6 @@ pub(super) fn extension(path: &str) -> String {
     name.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase()).unwrap_or_default()
 }
 
-fn decode_percent(text: &str) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.as_bytes();
-    while let Some((&first, tail)) = rest.split_first() {
-        if first != b'%' {
-            bytes.push(first);
-            rest = tail;
-            continue;
-        }
-        let digits = tail.get(..2).filter(|digits| digits.iter().all(u8::is_ascii_hexdigit))?;
-        bytes.push(u8::from_str_radix(str::from_utf8(digits).ok()?, 16).ok()?);
-        rest = &tail[2..];
-    }
-    Some(bytes)
-}
-
 /// The bytes that a data URI holds; an error is what was expected and found. At most `most` bytes.
 pub(super) fn read_data(uri: &str, most: usize) -> Result<Vec<u8>, String> {
     let Some((kind, data)) = uri.strip_prefix("data:").and_then(|rest| rest.split_once(',')) else {
@@ -82,28 +77,13 @@ pub(super) fn read_data(uri: &str, most: usize) -> Result<Vec<u8>, String> {
     if kind.ends_with(";base64") { decode_base64(data) } else { Err("expected a data URI in base64, found another".to_owned()) }
 }
 
+/// Decodes base64 of the standard or the URL alphabet.
 fn decode_base64(text: &str) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut count) = (0_u32, 0);
-    for (place, letter) in text.bytes().enumerate() {
-        let value = match letter {
-            b'A'..=b'Z' => letter - b'A',
-            b'a'..=b'z' => letter - b'a' + 26,
-            b'0'..=b'9' => letter - b'0' + 52,
-            b'+' | b'-' => 62,
-            b'/' | b'_' => 63,
-            b'=' => break,
-            _ => return Err(format!("expected base64, found the byte {letter:#04x} at {place}")),
-        };
-        bits = bits << 6 | u32::from(value);
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            bytes.push((bits >> count) as u8);
-            bits &= (1 << count) - 1;
-        }
-    }
-    Ok(bytes)
+    let standard = text.replace('-', "+").replace('_', "/");
+    BASE64.decode(standard).map_err(|error| match error {
+        DecodeError::InvalidByte(at, byte) => format!("expected base64, found the byte {byte:#04x} at {at}"),
+        error => format!("expected base64: {error}"),
+    })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::graph::{Link, shortened};
 use super::image::{binding, normal_binding};
 use super::nodes::unpacked;
+use super::surfaces::PREVIEW;
 use super::walk::{Direction, Normal, Term, Walk};
 use super::xml::Id;
 use crate::exchange::field::{Field, FieldDef, Fields};
@@ -46,9 +47,7 @@ pub fn read(walk: &mut Walk, shader: Id, displacement: Option<Id>, model: &Shadi
 /// The normal behind an input. USD's surface takes the direction itself, the others take a normal map.
 fn as_normal(walk: &mut Walk, input: Id, shader: Id) -> Option<Term> {
     match walk.at(input)? {
-        Term::Numbers(parts) if walk.graph.tree.tag(shader) == "UsdPreviewSurface" => {
-            unpacked(&parts, 1.0, 0.0, 1.0).map(Term::Normal)
-        }
+        Term::Numbers(parts) if walk.graph.tree.tag(shader) == PREVIEW => unpacked(&parts, 1.0, 0.0, 1.0).map(Term::Normal),
         term => Some(term),
     }
 }

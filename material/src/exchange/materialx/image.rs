@@ -5,6 +5,7 @@ use super::graph::shortened;
 use super::numbers::{Part, Parts};
 use super::walk::{COORDINATES, Normal, Term, Walk};
 use super::xml::Id;
+use crate::exchange::paths::refusal;
 use crate::exchange::uv::{offset_from_above, offset_from_below};
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
@@ -54,32 +55,6 @@ pub fn read(walk: &mut Walk, node: Id, count: usize) -> Result<Term, Term> {
         _ => Some(parts),
     };
     scaled.map(|parts| Term::Numbers(Box::new(parts))).ok_or(Term::Unknown(node, "is scaled by another image"))
-}
-
-/// Why a path is not taken: it has to stay in the folder of the file.
-pub fn refusal(path: &str) -> Option<&'static str> {
-    if path.starts_with("builtin:") {
-        return None;
-    }
-    let scheme = path.split_once(':').map(|(scheme, _)| scheme);
-    if path.starts_with('/') || scheme.is_some_and(|scheme| scheme.len() == 1) {
-        return Some("has an absolute path, which another computer does not have");
-    }
-    if scheme.is_some_and(|scheme| scheme.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.'))) {
-        return Some("is an address; nothing is fetched");
-    }
-    let mut depth = 0_i64;
-    for part in path.split('/') {
-        depth += match part {
-            "" | "." => 0,
-            ".." => -1,
-            _ => 1,
-        };
-        if depth < 0 {
-            return Some("lies outside of the folder of the file");
-        }
-    }
-    None
 }
 
 fn color_space(walk: &mut Walk, node: Id, file: Id) -> ColorSpace {
@@ -359,16 +334,6 @@ pub fn normal_binding(walk: &Walk, normal: &Normal) -> Option<TextureRef> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn paths_stay_in_the_folder() {
-        for path in ["a.png", "tex/a.png", "./a.png", "tex/../a.png", "builtin:wood/base", "a b:c/d.png"] {
-            assert_eq!(refusal(path), None, "{path}");
-        }
-        for path in ["/a.png", "C:/a.png", "//host/a.png", "../a.png", "tex/../../a.png", "https://host/a.png", "file:a.png"] {
-            assert!(refusal(path).is_some(), "{path}");
-        }
-    }
 
     #[test]
     fn coordinates_of_place2d_become_a_transform() {

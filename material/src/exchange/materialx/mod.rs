@@ -12,7 +12,6 @@ mod definition;
 mod fields;
 mod foreign;
 mod graph;
-mod guests;
 mod image;
 mod native_copy;
 mod nodes;

@@ -6,10 +6,11 @@
 
 use std::collections::HashMap;
 
-use super::image::{factors, refusal, reread};
+use super::image::{factors, reread};
 use super::nodes::readable_normal;
 use super::numbers;
 use super::xml_write::Xml;
+use crate::exchange::paths::refusal;
 use crate::exchange::uv::offset_from_below;
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
@@ -111,6 +112,14 @@ impl TextureGraph {
         });
         let feed = image.as_deref().map_or(Feed::Value(&stored), Feed::Node);
         self.node("normalmap", "vector3", &[("in", "vector3", feed), ("scale", "float", Feed::Value(&scale))])
+    }
+
+    /// The node that gives the direction in a normal map, for surfaces that take no normal map.
+    pub fn direction(&mut self, texture: &TextureRef) -> String {
+        let green = if texture.is_inverted { -1.0 } else { 1.0 };
+        let image = self.image(texture, "vector3", false);
+        let image = self.affine(image, "vector3", &[2.0, 2.0 * green, 2.0], 1.0, "multiply");
+        self.affine(image, "vector3", &[-1.0, -green, -1.0], 0.0, "add")
     }
 
     /// The node that turns the tangent about the normal: by turns counterclockwise, or by the turns that a node gives.

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use super::definition::{self, NODE, type_of, value_text};
 use super::native_copy;
 use super::nodes::readable_normal;
+use super::surfaces::{PREVIEW, node_of, type_of_input};
 use super::textures::{TextureGraph, writable};
 use super::xml_write::Xml;
 use super::{foreign, numbers};
@@ -101,8 +102,9 @@ fn write_material(xml: &mut Xml, material: &Material, options: &WriteOptions, na
     let material = finite(material, "not written", &mut notes);
     let mut graph = TextureGraph::named(graph_name(&name));
     let (fields, images, rows) = translated(&material, &name, options, &mut notes);
-    let mut surface = surface_inputs(options.surface.fields, &fields, &mut graph);
-    foreign::add(&material, options.surface.name, &mut surface);
+    let node = node_of(options.surface);
+    let mut surface = surface_inputs(node, options.surface.fields, &fields, &mut graph);
+    foreign::add(&material, node, &mut surface);
     let native = native_copy::write(&material, options, &fields.found, &mut graph, &mut notes);
 
     let displacement = displacement_inputs(options.surface.fields, &fields, &mut graph);
@@ -118,7 +120,7 @@ fn write_material(xml: &mut Xml, material: &Material, options: &WriteOptions, na
         (native_copy::RECORD, record.as_str()),
     ];
     write_node(xml, NODE, &attributes, &native.inputs, &graph_name);
-    write_node(xml, options.surface.name, &[("name", &surface_name), ("type", "surfaceshader")], &surface, &graph_name);
+    write_node(xml, node, &[("name", &surface_name), ("type", "surfaceshader")], &surface, &graph_name);
     if !displacement.is_empty() {
         write_node(
             xml,
@@ -281,7 +283,7 @@ pub(super) fn stored(value: Value) -> Value {
 const DISPLACEMENT: [&str; 2] = ["displacement", "displacement.scale"];
 
 /// The inputs of the surface, and what they need in the graph.
-fn surface_inputs(table: &[FieldDef], fields: &WrittenFields, graph: &mut TextureGraph) -> Vec<Input> {
+fn surface_inputs(node: &str, table: &[FieldDef], fields: &WrittenFields, graph: &mut TextureGraph) -> Vec<Input> {
     let place = |name: &str| table.iter().position(|def| def.name == name);
     let is_said = |place: usize| fields.found.0.get(place).is_some_and(|field| field.is_authored);
     let mut inputs = Vec::new();
@@ -293,6 +295,13 @@ fn surface_inputs(table: &[FieldDef], fields: &WrittenFields, graph: &mut Textur
         }
         let (value, binding) = (fields.values[at], fields.bindings[at].as_ref());
         let feed = match (kind, value) {
+            (Kind::Normal, Value::Normal(constant)) if node == PREVIEW => match binding {
+                Some(binding) => {
+                    let node = graph.direction(binding);
+                    Feed::Output(graph.output(def.name, "vector3", node))
+                }
+                None => Feed::Value(numbers::list(&readable_normal(constant))),
+            },
             (Kind::Normal, Value::Normal(constant)) => {
                 let strength = scale.map_or(1.0, |scale| number(fields.values[scale]));
                 let node = graph.normal(binding, constant, strength);
@@ -312,16 +321,28 @@ fn surface_inputs(table: &[FieldDef], fields: &WrittenFields, graph: &mut Textur
                 None => Feed::Value(value_text(value)),
             },
         };
-        inputs.push(Input::plain(def.name, type_of(kind), feed));
+        let (kind, feed) = match (type_of_input(def.name), value) {
+            (Some(kind), value) => (kind, Feed::Value(integer(value))),
+            (None, _) => (type_of(kind), feed),
+        };
+        inputs.push(Input::plain(def.name, kind, feed));
     }
     inputs
+}
+
+/// A switch or a choice as MaterialX has it.
+fn integer(value: Value) -> String {
+    match value {
+        Value::Bool(on) => i32::from(on).to_string(),
+        value => number(value).round().to_string(),
+    }
 }
 
 /// The inputs of the displacement; empty where nothing says anything about it.
 fn displacement_inputs(table: &[FieldDef], fields: &WrittenFields, graph: &mut TextureGraph) -> Vec<Input> {
     let [height, scale] = DISPLACEMENT.map(|name| table.iter().position(|def| def.name == name));
-    let (Some(height), Some(scale)) = (height, scale) else { return Vec::new() };
-    if ![height, scale].iter().any(|place| fields.found.0[*place].is_authored) {
+    let Some(height) = height else { return Vec::new() };
+    if ![Some(height), scale].into_iter().flatten().any(|place| fields.found.0[place].is_authored) {
         return Vec::new();
     }
     let feed = match &fields.bindings[height] {
@@ -331,10 +352,8 @@ fn displacement_inputs(table: &[FieldDef], fields: &WrittenFields, graph: &mut T
         }
         None => Feed::Value(value_text(fields.values[height])),
     };
-    vec![
-        Input::plain("displacement", "float", feed),
-        Input::plain("scale", "float", Feed::Value(value_text(fields.values[scale]))),
-    ]
+    let scale = scale.map(|scale| Input::plain("scale", "float", Feed::Value(value_text(fields.values[scale]))));
+    std::iter::once(Input::plain("displacement", "float", feed)).chain(scale).collect()
 }
 
 fn number(value: Value) -> f64 {

@@ -3,7 +3,7 @@
 //! A parameter's name is its place in the file's `materials[i]`: keys with dots between them, `extensions` left out. Lengths are metres
 //! there; the thickness is in units of the mesh. Metal covers the translucent body in both models.
 
-mod cells;
+pub(super) mod cells;
 
 use std::f64::consts::TAU;
 

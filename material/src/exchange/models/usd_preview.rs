@@ -87,6 +87,7 @@ pub fn interpret(p: &UsdPreview, _: &Context, notes: &mut Notes) -> Inputs<f64> 
     i.opacity = unit("opacity", p.opacity, notes);
     if p.opacity_threshold > 0.0 {
         i.opacity = if i.opacity >= p.opacity_threshold { 1.0 } else { 0.0 };
+        notes.push("opacity: cut off at a threshold there; a value is cut off here too, an image is taken as it is".to_owned());
     }
     (i.normal, i.normal_scale) = (p.normal, p.normal_scale);
     i.height = p.displacement + i.height_level;

@@ -10,6 +10,7 @@ use super::layer::{Attribute, Entries, Layer, PrimId, entry};
 use super::numbers::{double, single};
 use crate::exchange::field::{FieldDef, Fields};
 use crate::exchange::model::{Context, Notes, ShadingModel};
+use crate::exchange::paths::refusal;
 use crate::material::{DEFAULT_UNIT_MM, Material};
 use crate::properties::{PROPERTIES, Property};
 use crate::slot::{Slot, TextureRef};
@@ -198,8 +199,7 @@ impl<'t, 'a> Reader<'t, 'a> {
     /// An image whose file lies beside the layer or below its folder.
     fn safe(&mut self, texture: TextureRef) -> Option<TextureRef> {
         let path = &texture.path;
-        let is_outside = path.starts_with(['/', '\\']) || path.contains(':') || path.split(['/', '\\']).any(|part| part == "..");
-        if is_outside {
+        if refusal(path).is_some() {
             self.notes.push(format!("the image `{path}`: expected a file in the folder of this one or below; not used"));
             return None;
         }

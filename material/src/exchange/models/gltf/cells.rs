@@ -94,7 +94,7 @@ pub(super) const CELLS: &[Cell] = &[
     Cell { property: Property::volume_thickness_scale, target: "thicknessFactor", fate: thickness },
 ];
 
-fn specular(i: &Inputs<f64>) -> (Fate, &'static str) {
+pub(in crate::exchange) fn specular(i: &Inputs<f64>) -> (Fate, &'static str) {
     match (i.specular_level, i.specular_edge_color) {
         (0.5, [1.0, 1.0, 1.0]) => (Fate::Exact, ""),
         _ => (Fate::Approximated, "towards grazing angles glTF scales the reflection and does not tint it; metal keeps its own"),

@@ -1,10 +1,14 @@
-//! Texture sets as Substance programs name them: one image for each channel, `NAME_Usage.png`, with the native file beside them.
+//! Texture sets as Substance programs name them: one image for each channel, `NAME_Usage.png`, with the native copy beside them ([`copy`]).
 //!
 //! A set says nothing about how images lie, nor about numbers beside them: what a reference changes about its image is computed into a new
-//! one, which covers uv from 0 to 1. Normals are +Y. Values for the whole material stay in the native file.
+//! one, which covers uv from 0 to 1, and the image itself goes into a folder of originals. Normals are +Y. Values for the whole material
+//! stay in the native copy.
 
+pub mod copy;
+
+use super::loss::Row;
 use super::model::{Context, ShadingModel};
-use super::models::{asm, specular_glossiness};
+use super::models::{maps, specular_glossiness};
 use super::plan::Job;
 use super::texture::Image;
 use crate::material::Material;
@@ -14,8 +18,8 @@ use crate::value::{Kind, Value, Vary};
 
 /// Endings of images that are copied as they are.
 const COPIED: [&str; 7] = ["png", "jpg", "jpeg", "tga", "tif", "tiff", "exr"];
-/// Longest name of a set, in characters.
-const MAX_NAME: usize = 120;
+/// End of the name of the folder of originals, after that of the set.
+const ORIGINALS: &str = "_originals";
 
 /// Which channels a set has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,6 +29,13 @@ pub enum Flavour {
     MetalRoughness,
     /// Diffuse, specular and glossiness in their place.
     SpecularGlossiness,
+}
+
+impl Flavour {
+    /// That of a shading model; the usual one where it is no other's.
+    pub fn of(model: &ShadingModel) -> Self {
+        if model.name == specular_glossiness::MODEL.name { Self::SpecularGlossiness } else { Self::MetalRoughness }
+    }
 }
 
 /// How a set is written.
@@ -57,33 +68,34 @@ pub struct Computed {
 /// All files of a set.
 #[derive(Clone, Debug)]
 pub struct TextureSet {
-    /// Name of the native file, which holds what images do not.
+    /// Name of the native copy, which holds what images do not.
     pub native_file: String,
     /// Images that are taken as they are.
     pub copies: Vec<Copy>,
+    /// Images that others are computed from; they lie in a folder of their own, for the way back.
+    pub originals: Vec<Copy>,
     /// Images that have to be computed.
     pub images: Vec<Computed>,
     /// What the images do not say, in sentences for the user.
     pub notes: Vec<String>,
 }
 
-/// The plan of a texture set.
-pub fn plan(material: &Material, options: Options) -> TextureSet {
-    let name = file_stem(&material.name);
-    let native_file = format!("{name}.asm.ron");
-    let mut set = TextureSet { native_file, copies: Vec::new(), images: Vec::new(), notes: Vec::new() };
-    let first = match options.flavour {
-        Flavour::MetalRoughness => None,
-        Flavour::SpecularGlossiness => Some(&specular_glossiness::MODEL),
-    };
-    // What the first model holds is not written a second time as a property.
-    let is_held = |property: Property| {
-        first.is_some_and(|model| model.cells.iter().any(|cell| cell.property == property && !cell.target.is_empty()))
-    };
-    if let Some(model) = first {
-        set.add(model, material, &name, options.has_uniform, |_| false);
+/// The plan of a texture set. `name` is what its files begin with, which has to be fit for that; `last_name` gives the name that an image has without its folder, no two the same.
+pub fn plan(material: &Material, name: &str, last_name: &dyn Fn(&str) -> String, options: Options) -> TextureSet {
+    let native_file = format!("{name}.{}", copy::ENDING);
+    let mut set = TextureSet { native_file, copies: Vec::new(), originals: Vec::new(), images: Vec::new(), notes: Vec::new() };
+    let is_held = |property: Property| is_held(options.flavour, property);
+    if options.flavour == Flavour::SpecularGlossiness {
+        set.add(&specular_glossiness::MODEL, material, name, options.has_uniform, |_| false);
     }
-    set.add(&asm::MODEL, material, &name, options.has_uniform, is_held);
+    set.add(&maps::MODEL, material, name, options.has_uniform, is_held);
+    for texture in material.slots().filter_map(|(_, slot)| slot.texture.as_ref()) {
+        let is_known = set.copies.iter().chain(&set.originals).any(|copy| copy.path == texture.path);
+        if !is_known && !texture.path.is_empty() && !is_builtin(&texture.path) {
+            let file = format!("{name}{ORIGINALS}/{}", last_name(&texture.path));
+            set.originals.push(Copy { path: texture.path.clone(), file });
+        }
+    }
     for (property, _) in material.slots().filter(|(property, _)| property.def().vary == Vary::Uniform) {
         if material.value(property) != property.def().default {
             set.notes.push(format!("{}: one value for the whole material, in {} alone", property.def().name, set.native_file));
@@ -92,7 +104,43 @@ pub fn plan(material: &Material, options: Options) -> TextureSet {
     set
 }
 
+/// What becomes of each property for whoever sees the images alone.
+pub fn rows(material: &Material, flavour: Flavour) -> Vec<Row> {
+    let context = Context::of(material);
+    let mut rows = maps::MODEL.translate(material, &context).rows;
+    if flavour == Flavour::SpecularGlossiness {
+        let first = specular_glossiness::MODEL.translate(material, &context).rows;
+        for (row, first) in rows.iter_mut().zip(first).filter(|(row, _)| is_held(flavour, row.property)) {
+            *row = first;
+        }
+    }
+    rows
+}
+
+/// Whether the model that stands for metal and roughness holds a property. It is then not written a second time.
+fn is_held(flavour: Flavour, property: Property) -> bool {
+    let holds = |cell: &super::loss::Cell| cell.property == property && !cell.target.is_empty();
+    flavour == Flavour::SpecularGlossiness && specular_glossiness::MODEL.cells.iter().any(holds)
+}
+
+fn is_builtin(path: &str) -> bool {
+    path.starts_with("builtin:")
+}
+
 impl TextureSet {
+    /// The material with its images where the set has them.
+    pub fn placed(&self, material: &Material) -> Material {
+        let mut placed = material.clone();
+        for (property, slot) in material.slots() {
+            let file = |texture: &TextureRef| self.copies.iter().chain(&self.originals).find(|copy| copy.path == texture.path);
+            let Some(copy) = slot.texture.as_ref().and_then(file) else { continue };
+            if let Some(texture) = &mut placed.slot_mut(property).texture {
+                texture.path.clone_from(&copy.file);
+            }
+        }
+        placed
+    }
+
     fn add(
         &mut self,
         model: &'static ShadingModel,
@@ -159,7 +207,7 @@ fn copied_ending(texture: &TextureRef, kind: Kind) -> Option<String> {
         Kind::Color => texture.color_space != ColorSpace::Linear,
         _ => texture.color_space != ColorSpace::Srgb,
     };
-    if *texture != plain || !is_usual_space || texture.channel != Channel::Rgb || texture.path.starts_with("builtin:") {
+    if *texture != plain || !is_usual_space || texture.channel != Channel::Rgb || is_builtin(&texture.path) {
         return None;
     }
     let ending = texture.path.rsplit_once('.')?.1.to_ascii_lowercase();
@@ -174,11 +222,4 @@ fn covers_the_square(texture: &TextureRef) -> bool {
 fn usage(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// A name that every file system takes.
-fn file_stem(name: &str) -> String {
-    let plain = |c: char| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '_' };
-    let stem: String = name.trim().chars().take(MAX_NAME).map(plain).collect();
-    if stem.is_empty() { "Material".to_owned() } else { stem }
 }
