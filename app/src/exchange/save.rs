@@ -203,7 +203,12 @@ fn set_name(path: &Path) -> String {
 /// The text of the native file, with its images named from the folder it goes to.
 fn native(source: &Source, folder: Option<&Path>, beside: &mut Beside) -> Vec<u8> {
     let mut material = source.material.clone();
-    files::move_textures(&mut material, source.folder.as_deref(), folder);
+    // From the top of the disk, because relative folders say nothing about each other.
+    let whole = |folder: Option<&Path>| {
+        let folder = folder.map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+        folder.map(|folder| std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf()))
+    };
+    files::move_textures(&mut material, whole(source.folder.as_deref()).as_deref(), whole(folder).as_deref());
     // Images that no file held lie beside the new one.
     for def in burnish_material::PROPERTIES {
         if let Some(held) = source.material.slot(def.id).texture.as_ref().filter(|held| source.embedded.contains_key(&held.path))

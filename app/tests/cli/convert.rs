@@ -201,8 +201,10 @@ fn folders_of_images_become_a_material_for_each_set() {
     assert!(run.err.contains("preview.png") && run.err.trim().lines().count() == 1, "{}", run.err);
     let text = |name: &str| fs::read_to_string(place.path(name)).unwrap();
     let (wood, brick) = (text("out/Wood.asm.ron"), text("out/Old-Brick.asm.ron"));
-    assert!(wood.contains("../maps/Wood_BaseColor.png") && wood.contains("../maps/Wood_Roughness.png"), "{wood}");
+    assert!(wood.contains("maps/Wood_BaseColor.png") && wood.contains("maps/Wood_Roughness.png"), "{wood}");
     assert!(brick.contains("Old-Brick_normal_2k.png") && !brick.contains("Wood"), "{brick}");
+    let run = place.run(&["check", "out/Wood.asm.ron", "out/Old-Brick.asm.ron"]);
+    assert!(run.code == Some(0) && !run.out.contains("found no file"), "{}", run.out);
     let run = place.render(&["maps", "--material", "wood", "--spp", "1", "--out", "a.png"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
     // A set that lies where its images come from, with one that is painted over and one that is new.
