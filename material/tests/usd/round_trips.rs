@@ -201,6 +201,27 @@ fn a_dictionary_of_another_version_is_ignored() {
 }
 
 #[test]
+fn inputs_that_asm_does_not_know_are_kept_and_go_out_again() {
+    let text = export(&[&filled("a", |_| 0.25)]).text;
+    let more = "color3f inputs:glitter = (1, 0.5, 0)\n                float inputs:shininess = 3\n                ";
+    let with = text.replacen("float inputs:dispersion", &format!("{more}float inputs:dispersion"), 1);
+    assert_ne!(with, text);
+    for (with, is_native) in [(with.clone(), true), (with.replace("version = \"4.0\"", "version = \"5.0\""), false)] {
+        let scene = read(&with);
+        let found = &scene.materials[0];
+        assert_eq!(found.is_native, is_native);
+        assert!(scene.notes.iter().any(|note| note.contains("glitter, shininess")), "{:?}", scene.notes);
+        assert_eq!(found.material.foreign["usd"].len(), 2);
+        let again = export(&[&found.material]).text;
+        assert!(
+            again.contains("color3f inputs:glitter = (1, 0.5, 0)") && again.contains("float inputs:shininess = 3"),
+            "{again}"
+        );
+        assert_eq!(read(&again).materials[0].material, found.material);
+    }
+}
+
+#[test]
 fn foreign_entries_cannot_smuggle_lines_in() {
     let mut material = Material::named("a");
     let evil = "\"float 0.5 } def Shader \\\"x\\\" {\"".to_owned();

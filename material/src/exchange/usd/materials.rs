@@ -153,7 +153,7 @@ impl<'t, 'a> Reader<'t, 'a> {
             for (property, (_, image)) in inputs {
                 self.set_image(&mut found.material, property, image);
             }
-            self.tell_of_others(shader, |name| PROPERTIES.iter().any(|def| def.usage.eq_ignore_ascii_case(name)));
+            self.keep_others(&mut found.material, shader, ASM_ID, is_input);
             return false;
         };
         found.is_native = true;
@@ -167,6 +167,7 @@ impl<'t, 'a> Reader<'t, 'a> {
             }
             *found.material.slot_mut(def.id) = slot;
         }
+        self.keep_others(&mut found.material, shader, ASM_ID, is_input);
         copy.has_document
     }
 
@@ -259,11 +260,8 @@ impl<'t, 'a> Reader<'t, 'a> {
         let context = Context { meters_per_unit: self.meters_per_unit, mesh_width: 1.0 };
         let mut material = model.interpret(&fields, &context, &mut self.notes);
         let table = model.fields;
-        let others =
-            self.tell_of_others(shader, |name| table.iter().any(|def| def.name.eq_ignore_ascii_case(name)) || name == "tangent");
-        for (name, text) in others {
-            material.foreign.entry(FOREIGN.to_owned()).or_default().insert(format!("{id}.{name}"), text);
-        }
+        let is_known = |name: &str| table.iter().any(|def| def.name.eq_ignore_ascii_case(name)) || name == "tangent";
+        self.keep_others(&mut material, shader, id, is_known);
         material
     }
 
@@ -311,9 +309,9 @@ impl<'t, 'a> Reader<'t, 'a> {
         });
     }
 
-    /// Tells of inputs that the model does not know; those that hold plain numbers as attributes of USD, by name.
-    fn tell_of_others(&mut self, shader: PrimId, is_known: impl Fn(&str) -> bool) -> Vec<(String, String)> {
-        let (mut kept, mut names) = (Vec::new(), Vec::new());
+    /// Tells of inputs that the model does not know, and keeps those that hold plain numbers or texts, for the way back.
+    fn keep_others(&mut self, material: &mut Material, shader: PrimId, id: &str, is_known: impl Fn(&str) -> bool) {
+        let mut names = Vec::new();
         for attribute in self.layer.attributes(shader).take(MAX_SEARCHED) {
             let Some(name) = attribute.name.strip_prefix("inputs:").filter(|name| !is_known(name)) else { continue };
             names.push(name);
@@ -329,14 +327,20 @@ impl<'t, 'a> Reader<'t, 'a> {
                 if text.len() > MAX_KEPT_BYTES {
                     continue;
                 }
-                kept.push((name.to_owned(), serde_json::json!(format!("{} {text}", attribute.type_name)).to_string()));
+                let json = serde_json::json!(format!("{} {text}", attribute.type_name)).to_string();
+                // More than a material holds stays behind.
+                _ = material.set_foreign(FOREIGN, &format!("{id}.{name}"), Some(json));
             }
         }
         if !names.is_empty() {
             self.notes.push(format!("no property of ASM means: {}", short(&names.join(", "))));
         }
-        kept
     }
+}
+
+/// Whether the shader of the Adobe Standard Material has an input of this name.
+fn is_input(name: &str) -> bool {
+    PROPERTIES.iter().any(|def| def.usage.eq_ignore_ascii_case(name))
 }
 
 /// The model of a surface that says that it is this.

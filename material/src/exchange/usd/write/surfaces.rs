@@ -66,6 +66,7 @@ impl Surfaces<'_, '_> {
                 lines.push(format!("{head}.connect = {}", self.graph.uv_texture(kind, &written, 1.0)));
             }
         }
+        lines.extend(self.foreign(ASM_ID));
         lines.push("token outputs:surface".to_owned());
         Surface { name: "ASM", lines, displaces: false }
     }
