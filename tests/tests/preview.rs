@@ -146,6 +146,41 @@ fn heights_move_the_outline_as_in_the_final_view() {
 }
 
 #[test]
+fn the_maps_of_the_base_leave_the_coat_alone() {
+    use Property::*;
+    let Some((device, queue)) = device() else { return };
+    let mut preview = Preview::new(&device, &queue).expect("the preview can be made");
+    // Black below: what is seen is the coat, and a base that leans cannot show but in it.
+    let coated = |values: &[(Property, Value)]| {
+        let mut m =
+            material(&[(base_color, c(0.0, 0.0, 0.0)), (specular_level, f(0.0)), (coat, f(1.0)), (coat_roughness, f(0.1))]);
+        for (property, value) in values {
+            m.set(*property, *value);
+        }
+        let mut scene = sphere(m);
+        scene.environment = environment(&[8.0, 2.0, 1.0, 0.5, 0.3, 0.2, 0.1, 0.0]);
+        scene
+    };
+    let lean = c(0.6, 0.0, 0.8);
+    for is_traced in [false, true] {
+        preview.set_rays(is_traced);
+        let mut draw = |values: &[(Property, Value)]| {
+            preview.set_scene(&device, &queue, &coated(values));
+            preview.render(&device, &queue, SIDE, SIDE, 64).expect("the preview draws")
+        };
+        let plain = draw(&[]);
+        let [leaning, other] = [normal, coat_normal].map(|property| draw(&[(property, lean)]));
+        let distance = |a: &[[f32; 4]]| a.iter().zip(&plain).map(|(a, b)| (a[1] - b[1]).abs()).sum::<f32>() / a.len() as f32;
+        println!(
+            "traced {is_traced}: {} with normals of the base, {} with those of the coat",
+            distance(&leaning),
+            distance(&other)
+        );
+        assert!(distance(&leaning) < 0.1 * distance(&other));
+    }
+}
+
+#[test]
 fn bloom_spreads_what_is_brighter_than_white_and_nothing_else() {
     use Property::*;
     let Some((device, queue)) = device() else { return };

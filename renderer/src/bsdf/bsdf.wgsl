@@ -117,7 +117,7 @@ fn bsdf_prepare(optics: Optics, view: View) -> Bsdf {
     var coat_length_o = 1.0;
     var coat_bound = 1.0;
     var coat_frame: CoatFrame;
-    let has_coat_frame = HAS_COAT && HAS_COAT_NORMAL_MAP && view.has_coat_normal;
+    let has_coat_frame = HAS_COAT && (HAS_COAT_NORMAL_MAP || HAS_NORMAL_MAP || HAS_HEIGHT) && view.has_coat_normal;
     var coat_wo = wo;
     if HAS_COAT {
         if has_coat_frame {
@@ -229,7 +229,7 @@ fn bsdf_mirrored(b: Bsdf, w: vec3f) -> vec3f {
 
 // A direction of the mirrored frame in the frame of the coat.
 fn bsdf_in_coat(b: Bsdf, w: vec3f) -> vec3f {
-    if HAS_COAT_NORMAL_MAP && b.has_coat_frame {
+    if HAS_COAT && (HAS_COAT_NORMAL_MAP || HAS_NORMAL_MAP || HAS_HEIGHT) && b.has_coat_frame {
         return coat_frame_local(b.coat_frame, w);
     }
     return w;

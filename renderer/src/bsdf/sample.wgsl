@@ -43,7 +43,7 @@ fn bsdf_sample(b: Bsdf, u: vec4f) -> BsdfSample {
     let up = vec3f(0.0, 0.0, 1.0);
     let drawn = vndf_sample(wo, alpha_x, alpha_y, bound, u.y, u.z);
     var m = select(rotate_z(drawn, c, s), up, is_smooth);
-    if HAS_COAT_NORMAL_MAP && b.has_coat_frame {
+    if HAS_COAT && (HAS_COAT_NORMAL_MAP || HAS_NORMAL_MAP || HAS_HEIGHT) && b.has_coat_frame {
         m = select(m, coat_frame_outer(b.coat_frame, m), is_coat);
     }
     let cos_om = saturate(dot(b.wo, m));

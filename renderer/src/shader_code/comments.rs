@@ -87,8 +87,11 @@ fn functions(source: &Source, language: Language, say: &mut impl FnMut(&str)) {
             _ => {}
         }
     }
-    if source.lobes.has(Lobe::coat_normal_map) {
-        say("  A coat with normals of its own takes them as has_coat_normal and coat_normal of the view.");
+    let is_bent = [Lobe::normal_map, Lobe::coat_normal_map, Lobe::height].into_iter().any(|lobe| source.lobes.has(lobe));
+    if source.lobes.has(Lobe::coat) && is_bent {
+        say(
+            "  The coat does not follow the base's maps: it takes its normal, in the frame of the base, as has_coat_normal and coat_normal of the view.",
+        );
     }
     say("");
 }
