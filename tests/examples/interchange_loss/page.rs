@@ -1,8 +1,8 @@
 //! The page of results.
 
-use crate::is_lossless;
 use crate::kept::Found;
 use crate::studio::{SAMPLES, SIDE, TEXELS};
+use crate::{WORST, is_lossless};
 use burnish_material::PROPERTIES;
 use burnish_material::exchange::ShadingModel;
 use burnish_material::exchange::loss::{Fate, Row};
@@ -44,7 +44,7 @@ pub fn page(Table { presets, columns }: &Table, total: usize) -> String {
          `cargo run --release -p burnish-tests --example interchange_loss`: {all_or_some} presets before and after the translation to a shading \
          model and back, without the native copy; this program itself gets every bit back from that. Shader ball in the studio, {SIDE}x{SIDE}, {opaque} \
          samples per pixel, {entered} where light enters the material; mean of FLIP over the picture, 0 to 1, stand and background included. Images, of {TEXELS} texels a side at \
-         most, are computed where a model needs one that nobody has, as an export does. What each loss means is in `material/INTERCHANGE.md`.\n\n\
+         most, are computed where a model needs one that nobody has, as an export does; the way back is measured along with the way there. What each loss means is in `material/INTERCHANGE.md`.\n\n\
          Noise: the same preset with other random numbers gives {median:.3} in the median, {high:.3} at the 90th percentile, {most:.3} at most. Before and \
          after are drawn with the same random numbers, so that noise cancels where they do the same; a value below the noise of its row still shows a \
          difference, but not how large it is. 0 stands for materials that are the same to five digits, which are not drawn.\n",
@@ -85,12 +85,14 @@ fn worst(page: &mut String, presets: &[(&Preset, f64)], columns: &[Column]) {
     for Column { model, cells } in columns {
         let mut order: Vec<(&Preset, &Cell)> = presets.iter().map(|(preset, _)| *preset).zip(cells).collect();
         order.sort_by(|(_, a), (_, b)| b.found.flip.total_cmp(&a.found.flip));
-        let named = order.iter().filter(|(_, cell)| !cell.found.by_property.is_empty()).map(|(preset, cell)| {
+        let named = order.iter().filter(|(_, cell)| cell.found.flip > 0.0).take(WORST).map(|(preset, cell)| {
             let by = cell.found.by_property.iter().take(3).map(|(name, flip)| format!("`{name}` {flip:.3}"));
-            format!("{} {:.3} ({})", preset.name, cell.found.flip, by.collect::<Vec<_>>().join(", "))
+            let by = by.collect::<Vec<_>>().join(", ");
+            let by = if by.is_empty() { "nothing is said to be lost" } else { &by };
+            format!("{} {:.3} ({by})", preset.name, cell.found.flip)
         });
         let named = named.collect::<Vec<_>>().join("; ");
-        _ = writeln!(page, "- **{}**: {}", model.label, if named.is_empty() { "nothing to tell".to_owned() } else { named });
+        _ = writeln!(page, "- **{}**: {}", model.label, if named.is_empty() { "nothing to tell" } else { &named });
     }
 }
 

@@ -16,6 +16,7 @@ use burnish_renderer::scene::TextureSet;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What every material is written as, with the word on the command line that is the name of its folder, too.
 pub const FORMATS: [(&str, Format); 3] = [("usd", Format::Usda), ("materialx", Format::MaterialX), ("gltf", Format::Gltf)];
@@ -142,7 +143,7 @@ fn source(one: &Packed<'_>, materials: &Path, names: &FileNames) -> Result<Sourc
         }
         textures.extend(image.map(|image| (texture.path.clone(), image)));
     }
-    Ok(Source { material, file: None, folder: None, textures, embedded })
+    Ok(Source { material, file: Some(Arc::new(one.file.clone())), folder: None, textures, embedded })
 }
 
 /// The folder of a format.

@@ -228,6 +228,7 @@ fn reopened(path: &Path) -> (burnish_material::Material, Option<Vec<u8>>) {
     let opened = crate::exchange::open::open(path).unwrap();
     let [one] = opened.as_slice() else { panic!("{}: {} materials", path.display(), opened.len()) };
     assert_eq!(one.notes, [""; 0], "{}", path.display());
+    assert!(one.file.text().starts_with("// Kept."), "{}: {}", path.display(), one.file.text());
     let texture = one.file.material().slot(Property::roughness).texture.clone();
     let image = texture.filter(|texture| !texture.path.starts_with("builtin:")).map(|texture| {
         let held = one.embedded.get(&texture.path).map(|bytes| bytes.to_vec());
