@@ -16,6 +16,13 @@ pub fn ior_of_f0(f0: f64) -> f64 {
     (1.0 + e) / (1.0 - e)
 }
 
+/// Share of a dielectric's reflection at normal incidence that is left under a coat, where ASM's base has the coat as its surroundings
+/// (model reference 8.2).
+pub fn share_under_coat(ior: f64, coat_ior: f64, coat: f64) -> f64 {
+    let bare = f0_of_ior(ior);
+    if coat <= 0.0 || bare <= 0.0 { 1.0 } else { 1.0 + coat * (f0_of_ior(ior / coat_ior.max(1e-3)) / bare - 1.0) }
+}
+
 /// Luminance, in nits, of an emission of 1 (5.4). Adobe's convention.
 pub const NITS: f64 = 1000.0;
 

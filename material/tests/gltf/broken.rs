@@ -125,8 +125,8 @@ fn wrong_values_cost_a_note_each() {
         "/materials/0/normalTexture/index: expected a number below 0, the number of textures, found nothing",
         "/materials/0/emissiveTexture/index: expected a number below 0, the number of textures, found the number 9",
         "roughnessFactor: 1.5 was brought into 0 to 1",
-        "ior: 0.5 became 1",
         "dispersion: 50 was brought into 0 to 20",
+        "ior: 0.5 became 1",
     ];
     assert_eq!(notes, expected);
     assert_eq!(material.float(Property::metallic), 1.0);

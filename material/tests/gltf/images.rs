@@ -212,7 +212,7 @@ fn files_from_elsewhere_get_a_place_beside_the_document() {
             ("textures/a_b.png", "textures/a_b.png"),
             ("../a_b.png", "textures/a_b_2.png"),
             ("/home/me/a b.png", "textures/a_b_3.png"),
-            ("builtin:wood-oak/normal?contrast=0.5", "textures/wood-oak_normal.png"),
+            ("builtin:wood-oak/normal?contrast=0.5", "textures/wood-oak_normal_contrast_0_5.png"),
         ]
     );
     assert!(!written.gltf("").contains("/home"));

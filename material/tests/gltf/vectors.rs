@@ -37,6 +37,21 @@ fn a_level_of_the_coat_above_the_middle_becomes_its_index() {
     }
 }
 
+/// The base of ASM has its coat as surroundings and reflects less for it, that of glTF does not: the factor is what is left.
+#[test]
+fn under_a_coat_the_reflection_is_what_the_coat_leaves_of_it() {
+    for (coat, ior, coat_ior, left) in
+        [(1.0, 1.5, 1.6, 0.0260145681581686), (0.5, 1.5, 1.6, 0.5130072840790843), (1.0, 1.5, 1.5, 0.0), (0.0, 1.5, 1.6, 1.0)]
+    {
+        let mut material = Material::named("Lacquer");
+        material.set(Property::coat, Value::Float(coat)).set(Property::coat_ior, Value::Float(coat_ior));
+        material.set(Property::specular_ior, Value::Float(ior)).set(Property::specular_level, Value::Float(0.5));
+        let json = gltf(&material);
+        let factor = json["materials"][0]["extensions"]["KHR_materials_specular"].get("specularFactor");
+        near(factor.unwrap_or(&json!(1.0)), &[left]);
+    }
+}
+
 #[test]
 fn a_scattering_body_is_written_as_its_extinction() {
     let mut material = Material::named("Wax");

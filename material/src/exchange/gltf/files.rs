@@ -39,7 +39,8 @@ impl Files {
 
     fn add(&mut self, path: &str) -> String {
         let file = portable(path).unwrap_or_else(|| {
-            let bare = path.split('?').next().unwrap_or(path).trim_start_matches("builtin:");
+            // With the parameters of a made one: documents in one folder must not share a name for different images.
+            let bare = path.trim_start_matches("builtin:");
             let name = bare.rsplit(['/', '\\']).next().unwrap_or_default();
             let (stem, end) = match (is_builtin(path), name.rsplit_once('.')) {
                 (false, Some((stem, end))) => (uri::file_word(stem), uri::file_word(end)),

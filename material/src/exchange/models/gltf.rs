@@ -15,6 +15,9 @@ use crate::properties::Inputs;
 /// Index of refraction of a coat where a file does not say it.
 const PLAIN_COAT_IOR: f64 = 1.5;
 
+/// Below this share a coat leaves nothing of the reflection under it.
+pub(super) const NO_REFLECTION: f64 = 1e-6;
+
 /// Thickness, as a share of the width, that stands for none: 0 means an infinitely thin wall to glTF.
 pub(in crate::exchange) const THIN: f64 = 1e-4;
 
@@ -32,9 +35,9 @@ crate::shading_fields! {
         emissive: Color([0.0; 3]), "emissiveFactor", from [emission, emission_color], to [emission, emission_color], image;
         emissive_strength: Float(1.0), "KHR_materials_emissive_strength.emissiveStrength", from [emission, emission_color], to [emission], uniform;
         /// 0 is an infinite index: the reflection is the specular colour alone.
-        ior: Float(1.5), "KHR_materials_ior.ior", from [specular_ior], to [specular_ior, specular_level, specular_edge_color], uniform;
-        specular: Float(1.0), "KHR_materials_specular.specularFactor", from [specular_level], to [specular_level], image;
-        specular_color: Color([1.0; 3]), "KHR_materials_specular.specularColorFactor", from [specular_level, specular_edge_color], to [specular_level, specular_edge_color], image;
+        ior: Float(1.5), "KHR_materials_ior.ior", from [specular_ior], to [specular_ior], uniform;
+        specular: Float(1.0), "KHR_materials_specular.specularFactor", from [specular_level, specular_ior, coat, coat_ior, coat_specular_level], to [specular_level], image;
+        specular_color: Color([1.0; 3]), "KHR_materials_specular.specularColorFactor", from [specular_level, specular_edge_color, specular_ior, coat, coat_ior, coat_specular_level], to [specular_level, specular_edge_color], image;
         anisotropy_strength: Float(0.0), "KHR_materials_anisotropy.anisotropyStrength", from [anisotropy, roughness], to [anisotropy], image;
         /// Radians.
         anisotropy_rotation: Float(0.0), "KHR_materials_anisotropy.anisotropyRotation", from [anisotropy_rotation], to [anisotropy_rotation], image;
@@ -79,8 +82,11 @@ pub fn translate(i: &Inputs<f64>, context: &Context) -> Gltf {
     let brightest = f::largest(i.emission_color).max(1.0);
     let is_dark = i.emission == 0.0 || f::largest(i.emission_color) <= 0.0;
     let (attenuation_color, attenuation_distance) = attenuation(i, context);
-    let level = 2.0 * i.specular_level;
     let coat_level = 2.0 * i.coat_specular_level;
+    let coat_ior = clearcoat_ior(i);
+    let ior = i.specular_ior.max(1.0);
+    // Here the coat is the surroundings of what it covers; there the base reflects as ever.
+    let level = 2.0 * i.specular_level * f::share_under_coat(ior, coat_ior, i.coat);
     Gltf {
         // Transmitted light is tinted by the base colour there, not here.
         base_color: f::mix(i.base_color, tint, (1.0 - i.metallic) * transmission),
@@ -92,7 +98,7 @@ pub fn translate(i: &Inputs<f64>, context: &Context) -> Gltf {
         occlusion: i.ambient_occlusion,
         emissive: if is_dark { [0.0; 3] } else { i.emission_color.map(|c| c.max(0.0) / brightest) },
         emissive_strength: if is_dark { 1.0 } else { (i.emission * brightest).min(f64::from(f32::MAX)) },
-        ior: i.specular_ior.max(1.0),
+        ior,
         specular: level.min(1.0),
         specular_color: i.specular_edge_color.map(|c| c * level.max(1.0)),
         anisotropy_strength: strength(i.roughness, i.anisotropy),
@@ -113,9 +119,14 @@ pub fn translate(i: &Inputs<f64>, context: &Context) -> Gltf {
         clearcoat_normal: i.coat_normal,
         clearcoat_normal_scale: i.coat_normal_scale,
         clearcoat_tint: i.coat_color,
-        clearcoat_ior: if coat_level > 1.0 { f::fold_level(i.coat_ior, i.coat_specular_level) } else { i.coat_ior }.max(1.0),
+        clearcoat_ior: coat_ior,
         clearcoat_specular: coat_level.min(1.0),
     }
+}
+
+/// The index of the coat; it takes a level above the plain one along, which the format cannot say.
+pub(super) fn clearcoat_ior(i: &Inputs<f64>) -> f64 {
+    if i.coat_specular_level > 0.5 { f::fold_level(i.coat_ior, i.coat_specular_level) } else { i.coat_ior }.max(1.0)
 }
 
 /// Width of the mesh; 1 where there is none.
@@ -152,7 +163,6 @@ pub fn interpret(p: &Gltf, context: &Context, notes: &mut Notes) -> Inputs<f64> 
     if f::largest(p.emissive) > 0.0 {
         (i.emission, i.emission_color) = (p.emissive_strength.max(0.0), p.emissive.map(|c| c.max(0.0)));
     }
-    reflection(p, &mut i, notes);
     let alpha = i.roughness * i.roughness;
     let strength = unit("anisotropyStrength", p.anisotropy_strength, notes);
     i.anisotropy = ((1.0 - alpha) * strength * strength).powf(0.25);
@@ -169,6 +179,7 @@ pub fn interpret(p: &Gltf, context: &Context, notes: &mut Notes) -> Inputs<f64> 
         i.coat_ior = at_least("clearcoatIor", p.clearcoat_ior, 1.0, notes);
     }
     i.coat_specular_level = 0.5 * unit("clearcoatSpecularFactor", p.clearcoat_specular, notes);
+    reflection(p, &mut i, notes);
     i
 }
 
@@ -191,7 +202,14 @@ fn reflection(p: &Gltf, i: &mut Inputs<f64>, notes: &mut Notes) {
     i.specular_ior = at_least("ior", p.ior, 1.0, notes);
     let excess = f::largest(color).max(1.0);
     i.specular_edge_color = color.map(|c| c / excess);
-    let level = 0.5 * specular * excess;
+    // Under a coat less is left of a level here. One that a file does not say is left alone.
+    let is_said = p.specular != 1.0 || p.specular_color != [1.0; 3];
+    let share = f::share_under_coat(i.specular_ior, i.coat_ior, i.coat);
+    let level = match is_said {
+        true if share <= NO_REFLECTION => 0.5,
+        true => 0.5 * specular * excess / share,
+        false => 0.5,
+    };
     if level > 1.0 + 1e-6 {
         notes.push(format!("specularColorFactor: reflects {level} times what a level of 1 does; reduced to that"));
     }

@@ -1,5 +1,6 @@
 //! How glTF holds each property, and what it cannot say.
 
+use crate::exchange::formulas as f;
 use crate::exchange::loss::{Cell, Fate};
 use crate::properties::{Inputs, Property};
 
@@ -15,7 +16,7 @@ pub(super) const CELLS: &[Cell] = &[
     Cell::exact(Property::roughness, "roughnessFactor"),
     Cell::exact(Property::metallic, "metallicFactor"),
     Cell::exact(Property::opacity, "baseColorFactor alpha"),
-    Cell { property: Property::specular_level, target: "specularFactor", fate: specular },
+    Cell { property: Property::specular_level, target: "specularFactor", fate: specular_level },
     Cell { property: Property::specular_edge_color, target: "specularColorFactor", fate: specular },
     Cell::exact(Property::normal, "normalTexture"),
     Cell { property: Property::normal_scale, target: "normalTexture.scale", fate: |i| normal_scale(i.normal_scale) },
@@ -98,6 +99,15 @@ pub(in crate::exchange) fn specular(i: &Inputs<f64>) -> (Fate, &'static str) {
     match (i.specular_level, i.specular_edge_color) {
         (0.5, [1.0, 1.0, 1.0]) => (Fate::Exact, ""),
         _ => (Fate::Approximated, "towards grazing angles glTF scales the reflection and does not tint it; metal keeps its own"),
+    }
+}
+
+fn specular_level(i: &Inputs<f64>) -> (Fate, &'static str) {
+    let share = f::share_under_coat(i.specular_ior.max(1.0), super::clearcoat_ior(i), i.coat);
+    match specular(i) {
+        _ if share <= super::NO_REFLECTION => (Fate::Approximated, "the coat leaves nothing of the reflection under it"),
+        (Fate::Exact, _) if share != 1.0 => (Fate::Remapped, "what the coat leaves of it, since glTF's coat leaves everything"),
+        fate => fate,
     }
 }
 
