@@ -20,8 +20,8 @@ pub use crate::environment::Environment;
 pub use crate::environments::{ENVIRONMENTS, EnvironmentDef, make_environment};
 pub use crate::image::Image;
 pub use crate::load::{
-    AssetError, decode_image, is_environment_path, is_image_path, is_model_path, load_environment, load_image, load_model,
-    load_model_with,
+    AssetError, decode_image, decode_model, is_environment_path, is_image_path, is_model_path, load_environment, load_image,
+    load_model, load_model_with,
 };
 pub use crate::mesh::{Bounds, Mesh, Model, Part, Role};
 pub use crate::progress::{Ended, Progress};

@@ -313,7 +313,9 @@ fn gltf_that_is_wrong() {
         ("AAABAAIA\"", "AAABAAkA\"", "found 9"),
         ("AAABAAIA\"", "AAAB\"", "buffer 0"),
         ("\"uri\":\"data:application/octet-stream;base64", "\"uri\":\"gone.bin\",\"name\":\"", "gone.bin"),
-        ("\"uri\":\"data:", "\"uri\":\"http:", "relative path"),
+        ("\"uri\":\"data:", "\"uri\":\"http:", "in the folder of the file"),
+        ("\"uri\":\"data:", "\"uri\":\"../\",\"name\":\"", "in the folder of the file"),
+        ("\"uri\":\"data:", "\"uri\":\"%2Fdev%2Fzero\",\"name\":\"", "in the folder of the file"),
         ("\"scene\":0", "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"scene\":0", "draco"),
         (
             "\"count\":3,\"type\":\"VEC3\"",

@@ -99,24 +99,32 @@ impl AssetError {
     }
 
     pub(super) fn malformed(file: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::Malformed { file: file.to_owned(), place: place.into(), problem: problem.into() }
+        Self::Malformed { file: file.to_owned(), place: one_line(place.into()), problem: one_line(problem.into()) }
     }
 
     pub(super) fn truncated(file: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::Truncated { file: file.to_owned(), place: place.into(), problem: problem.into() }
+        Self::Truncated { file: file.to_owned(), place: one_line(place.into()), problem: one_line(problem.into()) }
     }
 
     pub(super) fn unsupported(file: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::Unsupported { file: file.to_owned(), place: place.into(), problem: problem.into() }
+        Self::Unsupported { file: file.to_owned(), place: one_line(place.into()), problem: one_line(problem.into()) }
     }
 
     pub(super) fn missing(file: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::MissingData { file: file.to_owned(), place: place.into(), problem: problem.into() }
+        Self::MissingData { file: file.to_owned(), place: one_line(place.into()), problem: one_line(problem.into()) }
     }
 
     pub(super) fn too_large(file: &Path, problem: impl Into<String>) -> Self {
         Self::TooLarge { file: file.to_owned(), problem: problem.into() }
     }
+}
+
+/// What may quote the file: without line ends, and not too long.
+pub(super) fn one_line(text: String) -> String {
+    const LENGTH: usize = 300;
+    let is_long = text.chars().nth(LENGTH).is_some();
+    let line = text.chars().take(LENGTH).map(|c| if c.is_control() { ' ' } else { c });
+    line.chain(is_long.then_some('…')).collect()
 }
 
 impl fmt::Display for AssetError {

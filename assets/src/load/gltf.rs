@@ -15,6 +15,7 @@ use gltf::json::{Root, scene};
 
 use super::AssetError;
 use super::accessors::Accessors;
+use super::error::one_line;
 use crate::mesh::Mesh;
 use crate::progress::{Ended, Progress};
 
@@ -97,7 +98,7 @@ fn check_features(file: &Path, root: &Root, warnings: &mut Vec<String>) -> Resul
         }
         let concerns_looks = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_"];
         if name != "KHR_mesh_quantization" && !concerns_looks.iter().any(|prefix| name.starts_with(prefix)) {
-            warnings.push(format!("The extension {name} is required and was left out."));
+            warnings.push(format!("The extension {} is required and was left out.", one_line(name.clone())));
         }
     }
     let left_out = [(root.cameras.len(), "cameras"), (root.skins.len(), "skins"), (root.animations.len(), "animations")];

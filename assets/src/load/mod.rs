@@ -64,11 +64,21 @@ pub fn load_model_with(path: &Path, progress: Progress<'_>) -> Result<(Model, Ve
     }
     let bytes = read_file(path)?;
     progress.tell(READ).map_err(ended)?;
+    decode(path, &bytes, progress)
+}
+
+/// The same of bytes that lie elsewhere. `path` is for messages, its ending for the format, its folder for buffers beside a document.
+pub fn decode_model(path: &Path, bytes: &[u8]) -> Result<(Model, Vec<String>), AssetError> {
+    decode(path, bytes, Progress::NONE)
+}
+
+fn decode(path: &Path, bytes: &[u8], progress: Progress<'_>) -> Result<(Model, Vec<String>), AssetError> {
+    let ended = |Ended| AssetError::Ended { file: path.to_owned() };
     let (mesh, mut warnings, unit_mm) = if has_ending(path, &["ply"]) {
-        let (mesh, warnings) = ply::read(path, &bytes)?;
+        let (mesh, warnings) = ply::read(path, bytes)?;
         (mesh, warnings, None)
     } else {
-        let (mesh, warnings) = gltf::read(path, &bytes, progress.part(READ, PARTS))?;
+        let (mesh, warnings) = gltf::read(path, bytes, progress.part(READ, PARTS))?;
         (mesh, warnings, Some(1000.0))
     };
     progress.tell(PARTS).map_err(ended)?;

@@ -32,14 +32,20 @@ pub(super) fn locate(uri: &str) -> Result<Location, String> {
         }
         return decode_base64(data).map(Location::Inline);
     }
-    // A scheme is at least two letters long: one letter is a drive, which is no relative path either.
-    if uri.split(['/', '?', '#']).next().is_some_and(|head| head.contains(':')) || uri.starts_with(['/', '\\']) {
-        let start: String = uri.chars().take(40).collect();
-        return Err(format!("expected a relative path or a data URI, found \"{start}\""));
+    let text = String::from_utf8(decode_percent(uri)?).map_err(|_| "expected UTF-8 in the path".to_owned())?;
+    if is_inside(&text) {
+        return Ok(Location::Relative(PathBuf::from(text)));
     }
-    let bytes = decode_percent(uri)?;
-    let text = String::from_utf8(bytes).map_err(|_| "expected UTF-8 in the path".to_owned())?;
-    Ok(Location::Relative(PathBuf::from(text)))
+    let start: String = uri.chars().take(40).collect();
+    Err(format!("expected a path in the folder of the file or below, or a data URI, found \"{start}\""))
+}
+
+/// Whether a path stays in the folder that it starts at. Files of others could name anything else.
+fn is_inside(path: &str) -> bool {
+    let parts = || path.split(['/', '\\']);
+    // Schemes and drives have a colon.
+    let is_relative = !path.starts_with(['/', '\\']) && !parts().next().is_some_and(|head| head.contains(':'));
+    is_relative && parts().all(|part| part != "..")
 }
 
 /// Replaces `%41` by the byte it stands for.
@@ -74,11 +80,23 @@ mod tests {
         let relative = |path: &str| Ok(Location::Relative(PathBuf::from(path)));
         let inline = |bytes: &[u8]| Ok(Location::Inline(bytes.to_vec()));
         assert_eq!(locate("a%20b/c.bin"), relative("a b/c.bin"));
-        assert_eq!(locate("../mesh.bin"), relative("../mesh.bin"));
         assert_eq!(locate("data:application/octet-stream;base64,TWE="), inline(b"Ma"));
         assert_eq!(locate("data:;base64,TWFu"), inline(b"Man"));
         assert_eq!(locate("data:,a%00b"), inline(b"a\0b"));
-        for bad in ["http://a/b.bin", "file:///etc/passwd", "/etc/passwd", "C:/x", "a%2", "a%zz", "data:x", "data:;base64,?"] {
+        for bad in [
+            "http://a/b.bin",
+            "file:///etc/passwd",
+            "/etc/passwd",
+            "%2fetc/passwd",
+            "C:/x",
+            "../a",
+            "a/../../b",
+            "%2e%2e/a",
+            "a%2",
+            "a%zz",
+            "data:x",
+            "data:;base64,?",
+        ] {
             assert!(locate(bad).is_err(), "{bad}");
         }
     }

@@ -21,6 +21,7 @@ pub mod native;
 pub mod page;
 pub mod paths;
 pub mod plan;
+mod short;
 pub mod texture;
 pub mod texture_set;
 pub mod usd;

@@ -6,12 +6,16 @@ use serde_json::{Map, Value as Json, json};
 
 use super::field::{FieldDef, Fields};
 use super::model::Notes;
+use super::short::short;
 use crate::file::ASM_VERSION;
 use crate::foreign::ForeignError;
 use crate::material::{Material, Provenance};
 use crate::properties::Property;
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::{Kind, Value};
+
+/// Most sentences; a file may hold millions of wrong entries.
+const MAX_NOTES: usize = 500;
 
 /// A native copy as a file holds it.
 #[derive(Clone, Debug)]
@@ -74,7 +78,10 @@ pub fn write(material: &Material, translation: Option<(&[FieldDef], &Fields)>) -
 pub fn read(json: &Json, table: Option<&[FieldDef]>, notes: &mut Notes) -> Option<Native> {
     let version = json.get("version").and_then(Json::as_str).unwrap_or_default();
     if version.split('.').next() != ASM_VERSION.split('.').next() {
-        notes.push(format!("the native copy is of version `{version}`, expected {ASM_VERSION}: the translation is read instead"));
+        notes.push(format!(
+            "the native copy is of version `{}`, expected {ASM_VERSION}: the translation is read instead",
+            short(version)
+        ));
         return None;
     }
     let Some(properties) = json.get("properties").and_then(Json::as_object) else {
@@ -98,7 +105,7 @@ pub fn read(json: &Json, table: Option<&[FieldDef]>, notes: &mut Notes) -> Optio
     material.unit_mm = json.get("unit_mm").and_then(Json::as_f64).filter(|mm| mm.is_finite() && *mm > 0.0);
     for (name, value) in properties {
         let Some(property) = Property::from_name(name) else {
-            notes.push(format!("native copy: `{name}` is no property of ASM {ASM_VERSION}; not read"));
+            notes.push(format!("native copy: `{}` is no property of ASM {ASM_VERSION}; not read", short(name)));
             continue;
         };
         let kind = property.def().default.kind();
@@ -110,17 +117,18 @@ pub fn read(json: &Json, table: Option<&[FieldDef]>, notes: &mut Notes) -> Optio
     for (name, value) in json.get("textures").and_then(Json::as_object).into_iter().flatten() {
         match (Property::from_name(name), read_texture(value)) {
             (Some(property), Some(texture)) => material.slot_mut(property).texture = Some(texture),
-            _ => notes.push(format!("native copy: {name}: expected an image of a property; not read")),
+            _ => notes.push(format!("native copy: {}: expected an image of a property; not read", short(name))),
         }
     }
     for (format, entries) in json.get("foreign").and_then(Json::as_object).into_iter().flatten() {
         for (key, value) in entries.as_object().into_iter().flatten() {
             let text = value.as_str().map(str::to_owned).ok_or(ForeignError::NotJson);
             if let Err(error) = text.and_then(|text| material.set_foreign(format, key, Some(text))) {
-                notes.push(format!("native copy: foreign.{format}.{key}: {error}; not read"));
+                notes.push(format!("native copy: foreign.{}.{}: {error}; not read", short(format), short(key)));
             }
         }
     }
+    notes.truncate(MAX_NOTES);
     // A record without any of these parameters is of another make and says nothing about them.
     let translation =
         table.zip(json.get("translation")).filter(|(table, json)| table.iter().any(|def| json.get(def.name).is_some()));

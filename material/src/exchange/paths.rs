@@ -3,6 +3,9 @@
 /// Why a path is not taken: it has to stay in the folder of the file that names it. `None` for a path that does, and for a name of a texture
 /// that comes with the program. No file is looked at.
 pub fn refusal(path: &str) -> Option<&'static str> {
+    if path.contains(char::is_control) {
+        return Some("has characters that no path has");
+    }
     if path.starts_with("builtin:") {
         return None;
     }
@@ -41,6 +44,7 @@ mod tests {
         for path in ["a.png", "tex/a.png", "./a.png", "tex/../a.png", "tex\\a.png", "builtin:wood/base", "a b/c:d.png"] {
             assert_eq!(refusal(path), None, "{path}");
         }
+        assert!(refusal("a\u{1e}.png").is_some());
         let refused = "/a.png C:/a.png C:\\a.png //host/a.png \\\\host\\a ../a.png tex/../../a.png tex\\..\\..\\a https://host/a.png file:a.png";
         for path in refused.split(' ') {
             assert!(refusal(path).is_some(), "{path}");

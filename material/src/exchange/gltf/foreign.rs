@@ -10,8 +10,11 @@ use serde_json::{Map, Value as Json, json};
 use super::images::Images;
 use super::slots::{ANISOTROPY_IMAGE, SLOTS};
 use super::uri;
+use crate::exchange::model::Notes;
 use crate::exchange::models::gltf::{Gltf, MODEL};
 use crate::exchange::native::{texture_json, value_json};
+use crate::exchange::short::short;
+use crate::foreign::MAX_FOREIGN_TEXTS;
 use crate::material::Material;
 use crate::properties::Property;
 use crate::slot::{Slot, Wrap};
@@ -27,7 +30,8 @@ pub(super) fn collect(material: &Json, images: &Images) -> BTreeMap<String, Json
     // Directions have no place here, and a strength over an image of roughness is another one at each texel.
     let has_image = |name: &str| super::json::at(material, name).is_some();
     let is_approximated = has_image(ANISOTROPY_IMAGE) || has_image("pbrMetallicRoughness.metallicRoughnessTexture");
-    for (name, body) in material.get("extensions").and_then(Json::as_object).into_iter().flatten() {
+    // More than a material can keep is not worth the time.
+    for (name, body) in material.get("extensions").and_then(Json::as_object).into_iter().flatten().take(MAX_FOREIGN_TEXTS) {
         if !is_read(name) || (is_approximated && name == ANISOTROPY) {
             kept.insert(name.clone(), named(body, images));
         }
@@ -164,7 +168,7 @@ pub(super) fn unchanged(material: &Material) -> BTreeMap<String, Json> {
 }
 
 /// Takes over what a file says into a material, which has what its native copy kept. What the copy has in the same words stays.
-pub(super) fn take(found: &BTreeMap<String, Json>, is_native: bool, material: &mut Material) {
+pub(super) fn take(found: &BTreeMap<String, Json>, is_native: bool, material: &mut Material, notes: &mut Notes) {
     let known = material.foreign.get(MODEL.name).cloned().unwrap_or_default();
     for (key, json) in found {
         let is_known = known.get(key).is_some_and(|entry| body(entry).as_ref() == Some(json));
@@ -172,7 +176,9 @@ pub(super) fn take(found: &BTreeMap<String, Json>, is_native: bool, material: &m
         let is_translation = is_native && !known.contains_key(key) && key == ANISOTROPY;
         if !is_known && !is_translation {
             let entry = entry(key, json, material);
-            material.foreign.entry(MODEL.name.to_owned()).or_default().insert(key.clone(), entry);
+            if let Err(error) = material.set_foreign(MODEL.name, key, Some(entry)) {
+                notes.push(format!("{}: {error}; not kept", short(key)));
+            }
         }
     }
 }

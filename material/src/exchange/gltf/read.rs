@@ -15,6 +15,7 @@ use crate::exchange::merge::merge;
 use crate::exchange::model::{Context, Notes};
 use crate::exchange::models::gltf::{Gltf, MODEL};
 use crate::exchange::native::{self, Native};
+use crate::exchange::short::short;
 use crate::material::Material;
 
 /// Longest JSON that is read, bytes.
@@ -73,13 +74,13 @@ impl Found {
         notes.splice(0..0, self.native_notes.iter().cloned());
         if !self.name.is_empty() && self.name != material.name {
             if self.native.is_some() && !material.name.is_empty() {
-                notes.push(format!("renamed from `{}` to `{}` by another program", material.name, self.name));
+                notes.push(format!("renamed from `{}` to `{}` by another program", short(&material.name), short(&self.name)));
             }
             material.name.clone_from(&self.name);
         }
-        foreign::take(&self.foreign, self.native.is_some(), &mut material);
+        foreign::take(&self.foreign, self.native.is_some(), &mut material, &mut notes);
         for key in self.foreign.keys().filter(|key| self.native.is_none() && foreign::is_worth_a_note(key)) {
-            notes.push(format!("{key}: ASM has no place for it; kept for the way back to glTF"));
+            notes.push(format!("{}: ASM has no place for it; kept for the way back to glTF", short(key)));
         }
         (material, notes)
     }
@@ -103,7 +104,7 @@ pub fn read(bytes: &[u8]) -> Result<Document, GltfError> {
     let mut notes: Notes = images.all.iter().filter_map(|image| image.as_ref().err().cloned()).collect();
     for name in list(&root, "extensionsRequired").iter().filter_map(Json::as_str) {
         if !name.contains("_materials_") && !["KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp"].contains(&name) {
-            notes.push(format!("extensionsRequired: {name} is not read; materials alone are"));
+            notes.push(format!("extensionsRequired: {} is not read; materials alone are", short(name)));
         }
     }
     let widths = widths(&root);

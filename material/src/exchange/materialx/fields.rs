@@ -1,6 +1,6 @@
 //! What a surface of a document says about the parameters of its shading model.
 
-use super::graph::{Link, shortened};
+use super::graph::Link;
 use super::image::{binding, normal_binding};
 use super::nodes::unpacked;
 use super::surfaces::PREVIEW;
@@ -8,6 +8,7 @@ use super::walk::{Direction, Normal, Term, Walk};
 use super::xml::Id;
 use crate::exchange::field::{Field, FieldDef, Fields};
 use crate::exchange::model::ShadingModel;
+use crate::exchange::short::short;
 use crate::slot::TextureRef;
 use crate::value::{Kind, Value};
 
@@ -142,7 +143,7 @@ fn reason(walk: &Walk, input: Id, term: &Term, kind: Kind) -> String {
     let path = walk.graph.path(input);
     match term {
         Term::Unknown(node, why) => {
-            format!("{path}: the node `{}` <{}> {why}", walk.graph.path(*node), shortened(walk.graph.tree.tag(*node)))
+            format!("{path}: the node `{}` <{}> {why}", walk.graph.path(*node), short(walk.graph.tree.tag(*node)))
         }
         Term::Numbers(parts) => format!("{path}: expected {}, found a value of {} numbers", word(kind), parts.count),
         Term::Normal(_) | Term::Direction(_) | Term::Tangent(_) => format!("{path}: expected {}, found a direction", word(kind)),
@@ -152,7 +153,7 @@ fn reason(walk: &Walk, input: Id, term: &Term, kind: Kind) -> String {
 /// Nothing to say about an input that is there and empty, or whose fault was told already.
 fn missing(walk: &Walk, input: Id, kind: Kind) -> String {
     let tree = walk.graph.tree;
-    let kind_there = shortened(tree.attribute(input, "type").unwrap_or_default());
+    let kind_there = short(tree.attribute(input, "type").unwrap_or_default());
     match walk.graph.link(input) {
         Link::Value(_) if tree.attribute(input, "value").is_some_and(|text| !text.is_empty()) => {
             format!("{}: expected {}, found a {kind_there} that is none", walk.graph.path(input), word(kind))

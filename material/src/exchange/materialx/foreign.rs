@@ -109,15 +109,15 @@ pub fn keep(walk: &mut Walk, shader: Id, surface: &str, material: &mut Material)
             continue;
         }
         let key = format!("{surface}.{}", foreign.name);
-        let entries = material.foreign.entry(FORMAT.to_owned()).or_default();
-        if entries.get(&key).and_then(|text| read(text)).is_some_and(|(kept, _)| kept == values) {
+        if material.foreign_text(FORMAT, &key).and_then(read).is_some_and(|(kept, _)| kept == values) {
             continue;
         }
-        walk.note(format!("{}: ASM has no place for it; kept for the way back to MaterialX", foreign.name));
         let entry = json!({ "value": values, "beside": beside(material, foreign.beside) });
-        material.foreign.entry(FORMAT.to_owned()).or_default().insert(key, entry.to_string());
+        walk.note(match material.set_foreign(FORMAT, &key, Some(entry.to_string())) {
+            Ok(()) => format!("{}: ASM has no place for it; kept for the way back to MaterialX", foreign.name),
+            Err(error) => format!("{}: ASM has no place for it; {error}; not kept", foreign.name),
+        });
     }
-    material.foreign.retain(|_, entries| !entries.is_empty());
 }
 
 /// Adds the foreign inputs of a surface that the material brought along, where the properties beside them are as they were.

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::xml::{Id, ROOT, Tree};
+use crate::exchange::short::short;
 
 /// What stands behind an input or an output.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +55,7 @@ impl<'a> Graph<'a> {
     /// A name for messages: those of the scopes and its own.
     pub fn path(&self, id: Id) -> String {
         let names = std::iter::successors(Some(id), |id| self.tree.parent(*id)).filter(|id| *id != ROOT);
-        let mut names: Vec<_> = names.map(|id| shortened(self.tree.attribute(id, "name").unwrap_or(self.tree.tag(id)))).collect();
+        let mut names: Vec<_> = names.map(|id| short(self.tree.attribute(id, "name").unwrap_or(self.tree.tag(id)))).collect();
         names.reverse();
         names.join("/")
     }
@@ -120,14 +121,6 @@ impl<'a> Graph<'a> {
             return add(self.link(id));
         }
         self.inputs(id).for_each(|input| add(self.link(input)));
-    }
-}
-
-/// A text of the file as messages show it.
-pub fn shortened(text: &str) -> String {
-    match text.char_indices().nth(60) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
     }
 }
 

@@ -1,11 +1,11 @@
 //! Images of a document: the nodes that read them, where on the surface they lie, and the bindings they become.
 
 use super::color::Space;
-use super::graph::shortened;
 use super::numbers::{Part, Parts};
 use super::walk::{COORDINATES, Normal, Term, Walk};
 use super::xml::Id;
 use crate::exchange::paths::refusal;
+use crate::exchange::short::short;
 use crate::exchange::uv::{offset_from_above, offset_from_below};
 use crate::slot::{Channel, ColorSpace, TextureRef, Wrap};
 use crate::value::Kind;
@@ -33,11 +33,11 @@ pub fn read(walk: &mut Walk, node: Id, count: usize) -> Result<Term, Term> {
     }
     if let Some(reason) = refusal(&path) {
         let name = walk.graph.path(node);
-        walk.note(format!("{name}: the image `{}` {reason}; not taken", shortened(&path)));
+        walk.note(format!("{name}: the image `{}` {reason}; not taken", short(&path)));
         return Err(Term::Unknown(node, "names an image that is refused"));
     }
     if path.contains('<') {
-        walk.note(format!("`{}`: tiles and other tokens in names of images are not replaced", shortened(&path)));
+        walk.note(format!("`{}`: tiles and other tokens in names of images are not replaced", short(&path)));
     }
     let space = color_space(walk, node, at);
     let wrap = wrap(walk, node, tag);
@@ -78,7 +78,7 @@ fn color_space(walk: &mut Walk, node: Id, file: Id) -> ColorSpace {
             let note = format!(
                 "{}: images of the colour space `{}` cannot be converted; read as linear",
                 walk.graph.path(node),
-                shortened(name)
+                short(name)
             );
             walk.note(note);
             ColorSpace::Linear

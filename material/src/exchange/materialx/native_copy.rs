@@ -7,7 +7,6 @@
 use serde_json::{Map, Value as Json, json};
 
 use super::definition::type_of;
-use super::graph::shortened;
 use super::numbers;
 use super::textures::{TextureGraph, writable};
 use super::walk::Walk;
@@ -18,6 +17,7 @@ use crate::exchange::field::{Field, Fields};
 use crate::exchange::merge::is_same;
 use crate::exchange::model::{Notes, ShadingModel};
 use crate::exchange::native::{self, Native, value_json};
+use crate::exchange::short::short;
 use crate::file::ASM_VERSION;
 use crate::material::Material;
 use crate::properties::{PROPERTIES, Property};
@@ -195,12 +195,8 @@ fn read_input(walk: &mut Walk, input: Id, kind: Kind) -> Result<Field, ()> {
     let (Some(text), Some(wide)) = (tree.attribute(input, "value"), tree.attribute(input, WIDE)) else { return Ok(field) };
     let count = field.value.numbers().len();
     let (Some(narrow), Some(wide)) = (numbers::parse(text, count), numbers::parse(wide, count)) else {
-        let note = format!(
-            "{}: expected {} in `{WIDE}`, found `{}`; not read",
-            walk.graph.path(input),
-            kind.expectation(),
-            shortened(wide)
-        );
+        let note =
+            format!("{}: expected {} in `{WIDE}`, found `{}`; not read", walk.graph.path(input), kind.expectation(), short(wide));
         walk.note(note);
         return Ok(field);
     };

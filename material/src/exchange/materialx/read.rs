@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::definition::NODE;
-use super::graph::{Graph, Link, shortened};
+use super::graph::{Graph, Link};
 use super::surfaces::{SURFACES, model_of};
 use super::walk::Walk;
 use super::write::{expected, finite};
@@ -13,6 +13,7 @@ use crate::exchange::field::Fields;
 use crate::exchange::merge::merge;
 use crate::exchange::model::{Context, Notes, ShadingModel};
 use crate::exchange::native::Native;
+use crate::exchange::short::short;
 use crate::material::Material;
 
 /// Most materials of a document.
@@ -39,7 +40,7 @@ pub struct ReadMaterial {
 pub fn read(text: &str) -> Result<Vec<ReadMaterial>, ReadError> {
     let tree = Tree::parse(text)?;
     if tree.tag(ROOT) != "materialx" {
-        return Err(ReadError::NotMaterialX { found: shortened(tree.tag(ROOT)) });
+        return Err(ReadError::NotMaterialX { found: short(tree.tag(ROOT)) });
     }
     let graph = Graph::of(&tree);
     let mut walk = Walk::of(&graph);
@@ -142,8 +143,8 @@ fn read_material(walk: &mut Walk, material: Id, shader: Option<Id>, copy: Option
             read
         }
         (Some(found), None) => found.native.material,
-        (None, None) if category.is_empty() => return Err(format!("`{}` without a surface", shortened(&name))),
-        (None, None) => return Err(format!("`{}` with the surface <{}>", shortened(&name), shortened(category))),
+        (None, None) if category.is_empty() => return Err(format!("`{}` without a surface", short(&name))),
+        (None, None) => return Err(format!("`{}` with the surface <{}>", short(&name), short(category))),
     };
     // Products of numbers that are finite may not be.
     read = finite(&read, "not taken", &mut walk.notes);
@@ -191,7 +192,7 @@ fn displacement_of(walk: &mut Walk, material: Id) -> Option<Id> {
     walk.note(format!(
         "{}: <{}> is no displacement that a material can hold; not taken",
         graph.path(node),
-        shortened(graph.tree.tag(node))
+        short(graph.tree.tag(node))
     ));
     None
 }
@@ -200,14 +201,13 @@ fn tell_of_document(walk: &mut Walk) {
     let tree = walk.graph.tree;
     match tree.attribute(ROOT, "version") {
         Some(version) if version.starts_with("1.38") || version.starts_with("1.39") => {}
-        Some(version) => walk.document_notes.push(format!("MaterialX {}: read as if it were 1.39", shortened(version))),
+        Some(version) => walk.document_notes.push(format!("MaterialX {}: read as if it were 1.39", short(version))),
         None => walk.document_notes.push("a file without a version of MaterialX: read as if it were 1.39".to_owned()),
     }
     let includes = (0..tree.len() as Id).filter(|id| tree.tag(*id) == "xi:include");
     for include in includes.take(MAX_NOTES) {
         let href = tree.attribute(include, "href").unwrap_or_default();
-        walk.document_notes
-            .push(format!("xi:include `{}`: no other file is opened; what it defines is missing", shortened(href)));
+        walk.document_notes.push(format!("xi:include `{}`: no other file is opened; what it defines is missing", short(href)));
     }
 }
 

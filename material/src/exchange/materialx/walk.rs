@@ -3,12 +3,13 @@
 use std::collections::{HashMap, HashSet};
 
 use super::color::Space;
-use super::graph::{Graph, Link, shortened};
+use super::graph::{Graph, Link};
 use super::image::ImageSource;
 use super::nodes;
 use super::numbers::{self, Part, Parts};
 use super::xml::Id;
 use crate::exchange::model::Notes;
+use crate::exchange::short::short;
 
 /// What an output of a node is.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,7 +152,7 @@ impl<'a> Walk<'a> {
                 Some(select(term, &output))
             }
             Link::Missing(name) => {
-                self.note(format!("{}: nothing has the name `{}`", self.graph.path(input), shortened(&name)));
+                self.note(format!("{}: nothing has the name `{}`", self.graph.path(input), short(&name)));
                 self.value(input)
             }
         }
@@ -165,7 +166,7 @@ impl<'a> Walk<'a> {
         let count = numbers::count_of(kind)?;
         let Some(mut all) = numbers::parse(text, count) else {
             let path = self.graph.path(element);
-            self.note(format!("{path}: expected a {kind} of finite numbers, found `{}`", shortened(text)));
+            self.note(format!("{path}: expected a {kind} of finite numbers, found `{}`", short(text)));
             return None;
         };
         if matches!(kind, "color3" | "color4")
@@ -176,9 +177,9 @@ impl<'a> Walk<'a> {
                 Some(space) => {
                     let [r, g, b] = space.to_linear_rec709([all[0], all[1], all[2]]);
                     (all[0], all[1], all[2]) = (r, g, b);
-                    Some(format!("colour space `{}`: colours were converted to linear Rec.709", shortened(name)))
+                    Some(format!("colour space `{}`: colours were converted to linear Rec.709", short(name)))
                 }
-                None => Some(format!("colour space `{}`: not known, taken as linear Rec.709", shortened(name))),
+                None => Some(format!("colour space `{}`: not known, taken as linear Rec.709", short(name))),
             };
             if let Some(note) = note {
                 self.note_of_document(note);

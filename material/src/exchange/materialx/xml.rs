@@ -5,6 +5,8 @@
 use std::borrow::Cow;
 use std::fmt;
 
+use crate::exchange::short::short;
+
 use quick_xml::XmlVersion;
 use quick_xml::events::Event;
 use quick_xml::events::attributes::Attributes;
@@ -118,7 +120,7 @@ impl<'a> Tree<'a> {
         }
         let text = text.trim_start_matches('\u{feff}');
         let line = |at: usize| text.as_bytes().iter().take(at).filter(|byte| **byte == b'\n').count() + 1;
-        let fault = |at: usize, message: String| ReadError::NotXml { line: line(at), message };
+        let fault = |at: usize, message: String| ReadError::NotXml { line: line(at), message: short(&message) };
         let mut tree = Self::default();
         let mut reader = quick_xml::Reader::from_str(text);
         let mut open: Vec<Id> = Vec::new();

@@ -4,11 +4,15 @@ use std::fmt;
 
 use super::super::model::Notes;
 use super::super::native;
+use super::super::short::short;
 use super::{ADOBE, ANNOTATION, OWN};
 use crate::file::MAX_FILE_BYTES;
 use crate::material::Material;
 use crate::properties::Property;
 use crate::value::{Kind, Value};
+
+/// Most sentences about a material.
+const MAX_NOTES: usize = 100;
 
 /// A material of a module.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,12 +68,14 @@ impl fmt::Display for MdlError {
                 write!(f, "expected an exported material that this program wrote, or a call of `{ADOBE}`; found none")
             }
             Self::OtherCall { material, found } => {
+                let (material, found) = (short(material), short(found));
                 write!(f, "`{material}`: expected a call of `{ADOBE}` or a material that this program wrote, found `{found}`")
             }
             Self::NotConstant { material, argument, expected } => {
+                let (material, argument) = (short(material), short(argument));
                 write!(f, "`{material}`: {argument}: expected {expected} as a constant, found an expression")
             }
-            Self::Broken { material, expected, line } => write!(f, "`{material}`: line {line}: expected {expected}"),
+            Self::Broken { material, expected, line } => write!(f, "`{}`: line {line}: expected {expected}", short(material)),
         }
     }
 }
@@ -278,7 +284,7 @@ impl<'a> Parser<'a> {
         let mut material = Material::named(self.name);
         for (name, value) in arguments {
             let Some(property) = Property::from_name(name) else {
-                notes.push(format!("`{name}` is no property of ASM; not read"));
+                notes.push(format!("`{}` is no property of ASM; not read", short(name)));
                 continue;
             };
             let kind = property.def().default.kind();
@@ -293,6 +299,7 @@ impl<'a> Parser<'a> {
                 }
             }
         }
+        notes.truncate(MAX_NOTES);
         Ok(Imported { material, notes })
     }
 }
@@ -317,7 +324,7 @@ fn native_copy(annotations: &[Token<'_>], notes: &mut Notes) -> Option<Material>
 fn merged(mut material: Material, arguments: &Arguments<'_>, mut notes: Notes) -> Imported {
     for (name, tokens) in arguments {
         let Some(property) = Property::from_name(name) else {
-            notes.push(format!("`{name}` is no property of ASM; not read"));
+            notes.push(format!("`{}` is no property of ASM; not read", short(name)));
             continue;
         };
         let Some(value) = constant(property.def().default.kind(), tokens) else { continue };
@@ -340,6 +347,7 @@ fn merged(mut material: Material, arguments: &Arguments<'_>, mut notes: Notes) -
         notes.push(format!("{}: the call does not say it any more; it has its default", property.def().name));
         material.slot_mut(property).value = None;
     }
+    notes.truncate(MAX_NOTES);
     Imported { material, notes }
 }
 

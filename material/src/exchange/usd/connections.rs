@@ -1,7 +1,8 @@
 //! Where the value of a shader's input comes from: through inputs of materials and outputs of node graphs.
 
-use super::error::{MAX_NAME_BYTES, short};
+use super::error::MAX_NAME_BYTES;
 use super::layer::{Attribute, Layer, PrimId};
+use crate::exchange::short::short;
 
 /// More steps than a network has.
 const MAX_STEPS: usize = 8;

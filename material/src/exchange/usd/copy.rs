@@ -3,7 +3,6 @@
 //! The shader has all 40 inputs. The dictionary says which of them were authored, which numbers are wider than single precision, which
 //! image bindings USD cannot say, and everything that a material holds beside its properties.
 
-use super::error::short;
 use super::images::as_written;
 use super::layer::{Entries, entry};
 use super::numbers::{double, file_path, quoted, quoted_list, single};
@@ -11,6 +10,7 @@ use crate::exchange::field::Field;
 use crate::exchange::merge::is_same;
 use crate::exchange::model::Notes;
 use crate::exchange::native;
+use crate::exchange::short::short;
 use crate::file::ASM_VERSION;
 use crate::material::Material;
 use crate::properties::{PROPERTIES, Property};

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::exchange::short::short;
+
 /// Largest text that is read, bytes.
 pub const MAX_USDA_BYTES: usize = 64 << 20;
 /// Most prims of a layer.
@@ -54,16 +56,6 @@ pub enum UsdError {
     },
 }
 
-/// A text of the file on one line and shortened, for messages.
-pub(super) fn short(text: &str) -> String {
-    const LENGTH: usize = 100;
-    let mut line: String = text.chars().take(LENGTH).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().nth(LENGTH).is_some() {
-        line.push('…');
-    }
-    line
-}
-
 impl fmt::Display for UsdError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -76,7 +68,7 @@ impl fmt::Display for UsdError {
             Self::Syntax { line, message } => write!(f, "line {line}: {message}"),
             Self::TooMuch { line, what } => write!(f, "line {line}: expected at most {what}, found more"),
             Self::Package { entry, message } if entry.is_empty() => write!(f, "usdz: {message}"),
-            Self::Package { entry, message } => write!(f, "usdz: `{entry}`: {message}"),
+            Self::Package { entry, message } => write!(f, "usdz: `{}`: {message}", short(entry)),
         }
     }
 }

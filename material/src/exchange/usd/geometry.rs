@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::error::short;
 use super::layer::{Attribute, Layer, PrimId, Value, entry};
 use super::materials::{FoundMaterial, meters_per_unit};
 use super::transform::{self, Matrix};
 use crate::exchange::model::Notes;
+use crate::exchange::short::short;
 
 /// Most triangles of all meshes of a layer.
 pub const MAX_TRIANGLES: usize = 2_000_000;

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use super::error::short;
 use crate::exchange::model::Notes;
+use crate::exchange::short::short;
 
 /// Notes beyond this number are counted, not listed.
 const MAX_NOTES: usize = 200;

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::error::{MAX_NAME_BYTES, UsdError, short};
+use super::error::{MAX_NAME_BYTES, UsdError};
+use crate::exchange::short::short;
 
 /// One word of the text.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,13 +4,13 @@
 
 use super::connections::{Source, constant, follow, shader_id};
 use super::copy::{self, Copy};
-use super::error::short;
 use super::images::{Found, image};
 use super::layer::{Attribute, Entries, Layer, PrimId, entry};
 use super::numbers::{double, single};
 use crate::exchange::field::{FieldDef, Fields};
 use crate::exchange::model::{Context, Notes, ShadingModel};
 use crate::exchange::paths::refusal;
+use crate::exchange::short::short;
 use crate::material::{DEFAULT_UNIT_MM, Material};
 use crate::properties::{PROPERTIES, Property};
 use crate::slot::{Slot, TextureRef};
@@ -201,11 +201,13 @@ impl<'t, 'a> Reader<'t, 'a> {
     fn safe(&mut self, texture: TextureRef) -> Option<TextureRef> {
         let path = &texture.path;
         if refusal(path).is_some() {
+            let path = short(path);
             self.notes.push(format!("the image `{path}`: expected a file in the folder of this one or below; not used"));
             return None;
         }
         if path.contains("<UDIM>") {
-            self.notes.push(format!("the image `{path}`: expected one image, found a name for many tiles; kept as a path"));
+            self.notes
+                .push(format!("the image `{}`: expected one image, found a name for many tiles; kept as a path", short(path)));
         }
         Some(texture)
     }

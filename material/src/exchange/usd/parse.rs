@@ -7,10 +7,11 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use super::error::{
-    MAX_ATTRIBUTES, MAX_DEPTH, MAX_ENTRIES, MAX_NAME_BYTES, MAX_PRIMS, MAX_USDA_BYTES, MAX_VARIANT_SETS, UsdError, short,
+    MAX_ATTRIBUTES, MAX_DEPTH, MAX_ENTRIES, MAX_NAME_BYTES, MAX_PRIMS, MAX_USDA_BYTES, MAX_VARIANT_SETS, UsdError,
 };
 use super::layer::{Attribute, Entries, Layer, Prim, PrimId, Value, entry};
 use super::lex::{Lexer, Token};
+use crate::exchange::short::short;
 
 /// Parses the text of a layer.
 pub fn parse(text: &str) -> Result<Layer<'_>, UsdError> {

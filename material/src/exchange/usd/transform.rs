@@ -1,7 +1,7 @@
 //! Where a prim stands: its transform operations as one matrix. Vectors are rows, as in USD: `p' = p · M`.
 
-use super::error::short;
 use super::layer::{Layer, PrimId, Value};
+use crate::exchange::short::short;
 
 /// A 4 by 4 matrix by rows.
 pub(super) type Matrix = [[f64; 4]; 4];
