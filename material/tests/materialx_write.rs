@@ -134,7 +134,10 @@ proptest! {
         let found = one(&implementation(&material)).material;
         for def in PROPERTIES.iter().filter(|def| !["normal_scale", "coat_normal_scale", "height", "height_scale"].contains(&def.name)) {
             let (a, b) = (expected.value(def.id), found.value(def.id));
-            let near = a.numbers().iter().zip(b.numbers()).all(|(a, b)| (a - b).abs() <= 2e-3 * a.abs().max(1.0));
+            // The lobe's width follows the fourth power, of which single precision leaves little near 0.
+            let shown = |x: &f64| if def.id == Property::anisotropy { x.powi(4) } else { *x };
+            let pairs = a.numbers().iter().map(shown).zip(b.numbers().iter().map(shown));
+            let near = pairs.into_iter().all(|(a, b)| (a - b).abs() <= 2e-3 * a.abs().max(1.0));
             prop_assert!(near, "{}: {a:?} {b:?}", def.name);
         }
     }

@@ -46,7 +46,7 @@ pub struct ConvertArguments {
     /// Mesh that wears the material, for glTF and USD: built in, or a .gltf, .glb or .ply file
     #[arg(long, value_name = "NAME|FILE")]
     mesh: Option<String>,
-    /// Leaves the native copy out of glTF: what other programs see is all there is
+    /// Leaves the native copy out: what other programs see is all there is. MDL and texture sets have none to leave out
     #[arg(long)]
     bare: bool,
     /// Writes the sheet of losses as JSON

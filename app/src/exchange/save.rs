@@ -157,7 +157,7 @@ pub fn make(
     let (document, rows) = match format {
         Format::Native => (native(first, out.parent(), &mut beside), vec![Vec::new()]),
         Format::Gltf | Format::Glb => of_gltf(sources, out, options, &mut beside, go_on)?,
-        Format::MaterialX => of_materialx(sources, model, &mut beside, go_on)?,
+        Format::MaterialX => of_materialx(sources, SaveOptions { model, ..options }, &mut beside, go_on)?,
         Format::Usda | Format::Usdz => {
             let (text, rows) = of_usd(sources, options, &mut beside, go_on)?;
             let bytes = if format == Format::Usda {
@@ -177,7 +177,7 @@ pub fn make(
             let text = mdl::write(&first.material, mdl::Flavour::Own, &path_of);
             (text.into_bytes(), vec![mdl::loss(&first.material, mdl::Flavour::Own)])
         }
-        Format::Filament => of_filament(first, &stem(out), &mut beside, go_on)?,
+        Format::Filament => of_filament(first, &stem(out), options, &mut beside, go_on)?,
         Format::TextureSet => {
             let name = set_name(out);
             let text = sets::write(first, &name, model, &mut beside, go_on)?;
@@ -304,15 +304,18 @@ fn of_gltf(
 
 fn of_materialx(
     sources: &[Source],
-    model: Option<&'static ShadingModel>,
+    options: SaveOptions<'_>,
     beside: &mut Beside,
     go_on: &dyn Fn(f32) -> bool,
 ) -> Result<Document, ExchangeError> {
-    let surface = model.unwrap_or(&models::open_pbr::MODEL);
+    let surface = options.model.unwrap_or(&models::open_pbr::MODEL);
     let materials: Vec<&Material> = sources.iter().map(|source| &source.material).collect();
     let names = names_of(sources);
     let path = |path: &str| names.file(path);
-    let written = materialx::write(&materials, &materialx::WriteOptions { surface, path: &path, folder: "" });
+    let written = materialx::write(
+        &materials,
+        &materialx::WriteOptions { surface, path: &path, folder: "", has_native_copy: !options.is_bare },
+    );
     let contexts: Vec<Context> = sources.iter().map(|source| Context::of(&source.material)).collect();
     sources.iter().for_each(|source| copy_all(source, beside, &path));
     let mut rows = Vec::new();
@@ -325,11 +328,20 @@ fn of_materialx(
     Ok((written.text.into_bytes(), rows))
 }
 
-fn of_filament(source: &Source, stem: &str, beside: &mut Beside, go_on: &dyn Fn(f32) -> bool) -> Result<Document, ExchangeError> {
+fn of_filament(
+    source: &Source,
+    stem: &str,
+    options: SaveOptions<'_>,
+    beside: &mut Beside,
+    go_on: &dyn Fn(f32) -> bool,
+) -> Result<Document, ExchangeError> {
     let names = names_of(std::slice::from_ref(source));
     let path = |path: &str| names.file(path);
     let prefix = format!("{stem}_");
-    let written = filament::write(&source.material, &filament::WriteOptions { path: &path, prefix: &prefix });
+    let written = filament::write(
+        &source.material,
+        &filament::WriteOptions { path: &path, prefix: &prefix, has_native_copy: !options.is_bare },
+    );
     copy_all(source, beside, &path);
     let (sources, contexts) = (std::slice::from_ref(source), [Context::of(&source.material)]);
     compute(&written.jobs, &models::filament::MODEL, sources, &contexts, beside, go_on)?;
@@ -357,7 +369,10 @@ fn of_usd(
         triangles: &arrays.triangles,
         parts: &all,
     });
-    let export = usd::write(&materials, &usd::Options { path_of: &path_of, image_folder: "", mesh: mesh.as_ref() });
+    let export = usd::write(
+        &materials,
+        &usd::Options { path_of: &path_of, image_folder: "", mesh: mesh.as_ref(), has_native_copy: !options.is_bare },
+    );
     let contexts: Vec<Context> = sources.iter().map(|source| Context::of(&source.material)).collect();
     sources.iter().for_each(|source| copy_all(source, beside, &path));
     for job in &export.images {

@@ -137,7 +137,7 @@ fn damaged_files_never_panic() {
     let mut material = Material::named("a");
     material.slot_mut(Property::roughness).texture = Some(burnish_material::TextureRef::new("a.png"));
     material.set(Property::metallic, burnish_material::Value::Float(0.1 + 0.2));
-    let options = usd::Options { path_of: &|texture| texture.path.clone(), image_folder: "", mesh: None };
+    let options = usd::Options { path_of: &|texture| texture.path.clone(), image_folder: "", mesh: None, has_native_copy: true };
     let text = usd::write(&[&material], &options).text;
     for length in (0..text.len()).step_by(7) {
         _ = usd::read(&text[..length]);

@@ -9,7 +9,8 @@ use burnish_material::Material;
 use burnish_material::exchange::usd::{self, Export, Options, Scene};
 
 fn export(materials: &[&Material]) -> Export {
-    usd::write(materials, &Options { path_of: &|texture| texture.path.clone(), image_folder: "textures/", mesh: None })
+    let path_of = |texture: &burnish_material::TextureRef| texture.path.clone();
+    usd::write(materials, &Options { path_of: &path_of, image_folder: "textures/", mesh: None, has_native_copy: true })
 }
 
 fn read(text: &str) -> Scene {

@@ -182,7 +182,8 @@ fn a_mesh_opens_with_its_materials() {
         triangles: &[[0, 1, 2], [0, 2, 3]],
         parts: &[(1, 0..1), (0, 1..2)],
     };
-    let options = Options { path_of: &|texture| texture.path.clone(), image_folder: "", mesh: Some(&mesh) };
+    let options =
+        Options { path_of: &|texture| texture.path.clone(), image_folder: "", mesh: Some(&mesh), has_native_copy: true };
     let scene = read(&usd::write(&[&a, &b], &options).text);
     assert!(scene.notes.is_empty(), "{:?}", scene.notes);
     let found = &scene.meshes[0];

@@ -145,7 +145,8 @@ fn random_materials_come_back_bit_for_bit() {
 fn images_in_another_place_keep_their_bindings() {
     let mut material = Material::named("a");
     material.slot_mut(Property::roughness).texture = Some(TextureRef::new("builtin:wood-oak/roughness"));
-    let options = Options { path_of: &|_| "textures/roughness.png".to_owned(), image_folder: "", mesh: None };
+    let options =
+        Options { path_of: &|_| "textures/roughness.png".to_owned(), image_folder: "", mesh: None, has_native_copy: true };
     let text = usd::write(&[&material], &options).text;
     assert!(text.contains("@./textures/roughness.png@"), "{text}");
     let scene = read(&text);

@@ -118,7 +118,7 @@ pub fn usda(bytes: &[u8]) {
     };
     sentences(&scene.notes);
     let path_of = |texture: &TextureRef| texture.path.clone();
-    let options = usd::Options { path_of: &path_of, image_folder: "", mesh: None };
+    let options = usd::Options { path_of: &path_of, image_folder: "", mesh: None, has_native_copy: true };
     for found in scene.materials.iter().take(MOST) {
         // The values of Adobe's own shader are those of ASM, wherever they lie.
         check(&found.material, found.is_native || found.network.starts_with("AdobeStandardMaterial"));
@@ -150,7 +150,7 @@ pub fn usda(bytes: &[u8]) {
             triangles: &found.triangles,
             parts: &[],
         };
-        let options = usd::Options { path_of: &path_of, image_folder: "", mesh: Some(&arrays) };
+        let options = usd::Options { path_of: &path_of, image_folder: "", mesh: Some(&arrays), has_native_copy: true };
         let again = usd::read(&usd::write(&[&material], &options).text);
         assert!(again.is_ok(), "{:?}", again.map(|scene| scene.notes));
     }

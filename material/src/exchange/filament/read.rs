@@ -141,9 +141,10 @@ impl Assignments {
         let field = &mut self.fields.0[place];
         (field.value, field.is_authored) = (value, true);
         // A coat of which only the roughness is said is there.
+        let is_unsaid = self.fields.get(Filament::FIELDS, "clearCoat").is_some_and(|coat| !coat.is_authored);
         if split(name).0 == "clearCoatRoughness"
+            && is_unsaid
             && let Some(coat) = self.fields.say(Filament::FIELDS, "clearCoat")
-            && coat.value == Value::Float(0.0)
         {
             coat.value = Value::Float(1.0);
         }

@@ -43,11 +43,13 @@ pub struct WriteOptions<'a> {
     pub path: &'a dyn Fn(&str) -> String,
     /// What stands before the names of computed images.
     pub prefix: &'a str,
+    /// Whether the native copy stands before the definition, as a comment.
+    pub has_native_copy: bool,
 }
 
 impl Default for WriteOptions<'_> {
     fn default() -> Self {
-        Self { path: &str::to_owned, prefix: "" }
+        Self { path: &str::to_owned, prefix: "", has_native_copy: true }
     }
 }
 
@@ -63,6 +65,8 @@ pub fn write(material: &Material, options: &WriteOptions) -> Written {
     let computed = |place: usize| translation.images.iter().find(|image| image.field == place);
     let is_refracting = said("transmission")
         || Filament::FIELDS.iter().enumerate().any(|(place, def)| def.name == "transmission" && computed(place).is_some());
+    // A coat of which nothing but these is said is there.
+    let has_coat_parts = said("clearCoatRoughness") || said("clearCoatNormal");
     let (mut bound, mut jobs, mut early, mut late) = (Vec::new(), Vec::new(), String::new(), String::new());
     for (place, (def, field)) in Filament::FIELDS.iter().zip(&translation.fields.0).enumerate() {
         let (name, _) = split(def.name);
@@ -72,7 +76,7 @@ pub fn write(material: &Material, options: &WriteOptions) -> Written {
             let factor = largest(image, &inputs, value_of).max(1.0);
             Job::of_parameter(&MODEL, image, file, factor).map(|job| (job, factor))
         });
-        let is_needed = field.is_authored || own_image.is_some();
+        let is_needed = field.is_authored || own_image.is_some() || (def.name == "clearCoat" && has_coat_parts);
         if !is_needed || (REFRACTION.contains(&name) && name != "ior" && !is_refracting) {
             continue;
         }
@@ -104,12 +108,13 @@ pub fn write(material: &Material, options: &WriteOptions) -> Written {
         "{head}\nfragment {{\n    void material(inout MaterialInputs material) {{\n{early}        prepareMaterial(material);\n{late}    }}\n}}\n"
     );
     let record = read::assignments(&body).fields;
-    let copy = native::write(&moved(material, options), Some((Filament::FIELDS, &record)));
+    let copy = || format!("{NATIVE}{}\n", native::write(&moved(material, options), Some((Filament::FIELDS, &record))));
+    let copy = if options.has_native_copy { copy() } else { String::new() };
     let images = bound.iter().map(|Bound { parameter, path, is_srgb }| {
         format!("// {parameter}: {path:?}{}\n", if *is_srgb { ", an sRGB format" } else { "" })
     });
     let images: String = images.collect();
-    Written { text: format!("{NATIVE}{copy}\n{images}{body}"), bound, jobs, rows: translation.rows }
+    Written { text: format!("{copy}{images}{body}"), bound, jobs, rows: translation.rows }
 }
 
 /// The material with its images where they lie beside the definition. Textures that come with the program are the same everywhere.

@@ -28,11 +28,13 @@ pub struct WriteOptions<'a> {
     pub path: &'a dyn Fn(&str) -> String,
     /// Folder of computed images relative to the document, with `/` at its end; may be empty.
     pub folder: &'a str,
+    /// Whether the native copy stands beside the translation.
+    pub has_native_copy: bool,
 }
 
 impl Default for WriteOptions<'_> {
     fn default() -> Self {
-        Self { surface: &open_pbr::MODEL, path: &str::to_owned, folder: "" }
+        Self { surface: &open_pbr::MODEL, path: &str::to_owned, folder: "", has_native_copy: true }
     }
 }
 
@@ -89,7 +91,9 @@ pub fn write(materials: &[&Material], options: &WriteOptions) -> Written {
     let mut xml = Xml::inside(0);
     xml.raw("<?xml version=\"1.0\"?>\n");
     xml.open("materialx", &[("version", "1.39"), ("colorspace", "lin_rec709")]);
-    definition::write(&mut xml);
+    if options.has_native_copy {
+        definition::write(&mut xml);
+    }
     let mut names = HashSet::new();
     let materials = materials.iter().map(|material| write_material(&mut xml, material, options, &mut names)).collect();
     xml.close("materialx");
@@ -105,21 +109,23 @@ fn write_material(xml: &mut Xml, material: &Material, options: &WriteOptions, na
     let node = node_of(options.surface);
     let mut surface = surface_inputs(node, options.surface.fields, &fields, &mut graph);
     foreign::add(&material, node, &mut surface);
-    let native = native_copy::write(&material, options, &fields.found, &mut graph, &mut notes);
+    let native = options.has_native_copy.then(|| native_copy::write(&material, options, &fields.found, &mut graph, &mut notes));
 
     let displacement = displacement_inputs(options.surface.fields, &fields, &mut graph);
     let graph_name = graph_name(&name);
     graph.write(xml);
     let (native_name, surface_name, displacement_name) =
         (format!("{name}_ASM"), format!("{name}_surface"), format!("{name}_displacement"));
-    let record = native.record.to_string();
-    let attributes = [
-        ("name", native_name.as_str()),
-        ("type", "surfaceshader"),
-        ("version", ASM_VERSION),
-        (native_copy::RECORD, record.as_str()),
-    ];
-    write_node(xml, NODE, &attributes, &native.inputs, &graph_name);
+    if let Some(native) = &native {
+        let record = native.record.to_string();
+        let attributes = [
+            ("name", native_name.as_str()),
+            ("type", "surfaceshader"),
+            ("version", ASM_VERSION),
+            (native_copy::RECORD, record.as_str()),
+        ];
+        write_node(xml, NODE, &attributes, &native.inputs, &graph_name);
+    }
     write_node(xml, node, &[("name", &surface_name), ("type", "surfaceshader")], &surface, &graph_name);
     if !displacement.is_empty() {
         write_node(
@@ -132,7 +138,9 @@ fn write_material(xml: &mut Xml, material: &Material, options: &WriteOptions, na
     }
     let source = [(native_copy::SOURCE, native_name.as_str()), (native_copy::VERSION, ASM_VERSION)];
     let plain = format!("{name}_native");
-    for (name, shader, more) in [(&name, &surface_name, source.as_slice()), (&plain, &native_name, &[])] {
+    let both = [(&name, &surface_name, source.as_slice()), (&plain, &native_name, &[])];
+    let alone = [(&name, &surface_name, [].as_slice())];
+    for &(name, shader, more) in if native.is_some() { both.as_slice() } else { alone.as_slice() } {
         let mut attributes = vec![("name", name.as_str()), ("type", "material")];
         attributes.extend(more);
         xml.open("surfacematerial", &attributes);

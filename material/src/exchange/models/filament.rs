@@ -133,13 +133,17 @@ pub fn interpret(p: &Filament, context: &Context, notes: &mut Notes) -> Inputs<f
     i.ambient_occlusion = unit("ambientOcclusion", p.ambient_occlusion, notes);
     (i.emission, i.emission_color) = emission(p.emissive.map(|c| c / f::NITS));
     i.translucency = unit("transmission", p.transmission, notes);
+    if i.translucency == 0.0 {
+        // A body that nothing enters has nothing to say about itself.
+        return i;
+    }
     let absorption = p.absorption.map(|a| a.max(0.0) * context.meters_per_unit);
     let most = f::largest(absorption);
     if most > 1e-12 {
         // Any distance serves; this one is the mean free path of the darkest channel.
         i.absorption_distance = 1.0 / most;
         i.absorption_color = absorption.map(|a| (-a / most).exp());
-    } else if i.translucency > 0.0 {
+    } else {
         i.absorption_color = i.base_color;
     }
     let thickness = p.thickness.max(0.0) / width(context);
@@ -209,6 +213,8 @@ const CELLS: &[Cell] = &[
     Cell { property: Property::volume_thickness_scale, target: "thickness", fate: thickness },
 ];
 
+const UNREFRACTED: &str = "nothing is refracted, so nothing is written";
+
 fn level(i: &Inputs<f64>) -> (Fate, &'static str) {
     match 2.0 * i.specular_level * f::f0_of_ior(i.specular_ior) {
         f0 if f0 <= FULL_F0 => (Fate::Remapped, "as the reflectance"),
@@ -219,11 +225,16 @@ fn level(i: &Inputs<f64>) -> (Fate, &'static str) {
 fn absorption(i: &Inputs<f64>) -> (Fate, &'static str) {
     match (i.scatter, i.absorption_distance) {
         (true, _) => (Fate::Dropped, "the format has nothing that means it"),
+        _ if i.translucency == 0.0 => (Fate::Dropped, UNREFRACTED),
         (false, 0.0) => (Fate::Remapped, "as the tint of the base colour"),
         _ => (Fate::Approximated, "as a coefficient per metre, which many pairs of colour and distance have"),
     }
 }
 
 fn thickness(i: &Inputs<f64>) -> (Fate, &'static str) {
-    if i.volume_thickness_scale == 1.0 { (Fate::Remapped, "") } else { (Fate::Approximated, "as a product") }
+    match i.volume_thickness_scale {
+        _ if i.scatter || i.translucency == 0.0 => (Fate::Dropped, UNREFRACTED),
+        1.0 => (Fate::Remapped, ""),
+        _ => (Fate::Approximated, "as a product"),
+    }
 }

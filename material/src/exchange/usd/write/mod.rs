@@ -25,6 +25,8 @@ pub struct Options<'a> {
     pub image_folder: &'a str,
     /// A mesh to wear the materials.
     pub mesh: Option<&'a MeshArrays<'a>>,
+    /// Whether the native copy stands beside the networks.
+    pub has_native_copy: bool,
 }
 
 /// An export: the text, and the images that the caller computes for it.
@@ -98,13 +100,15 @@ fn write_material(text: &mut Text, material: &Material, place: usize, path: &str
 
     text.line("");
     text.open_round(&format!("def Material {} ", quoted(name)));
-    text.open_round("customData = {");
-    text.open_round("dictionary asm = {");
-    for line in copy::lines(material, options.path_of) {
-        text.line(&line);
+    if options.has_native_copy {
+        text.open_round("customData = {");
+        text.open_round("dictionary asm = {");
+        for line in copy::lines(material, options.path_of) {
+            text.line(&line);
+        }
+        text.close("}");
+        text.close("}");
     }
-    text.close("}");
-    text.close("}");
     if !material.name.is_empty() && material.name != name {
         text.line(&format!("displayName = {}", quoted(&material.name)));
     }
