@@ -184,3 +184,24 @@ fn images_inside_of_a_file_survive_a_crash() {
     assert_eq!((document.embedded().count(), document.import()), (1, Some(path.as_path())));
     assert!(document.is_modified() && document.material.float(Property::coat) == 0.5);
 }
+
+#[test]
+fn the_model_of_a_format_is_chosen_on_the_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("red.mtlx");
+    let mut window = window(vec![path.clone()]);
+    let ctx = window.ctx.clone();
+    app_mut(&mut window).carry_out(Command::ExportMaterial, &ctx);
+    window.run_steps(3);
+    assert!(window.query_by_label("Model of the export").is_none(), "glTF is one model");
+    for (list, entry) in [("Format of the export", "MaterialX (.mtlx)"), ("Model of the export", "Standard Surface")] {
+        window.get_by_label(list).click();
+        window.run_steps(3);
+        window.get_by_label(entry).click();
+        window.run_steps(3);
+    }
+    press_button(&mut window, "Export…");
+    until(&mut window, "the file", |app| app.messages().last_info().starts_with("Exported "));
+    let text = fs::read_to_string(&path).expect("it was written");
+    assert!(text.contains("<standard_surface "), "{text}");
+}

@@ -13,6 +13,7 @@ use crate::picture_diff::Drawing;
 use crate::work::{Ends, Work};
 use burnish_assets::Role;
 use burnish_material::Material;
+use burnish_material::exchange::ShadingModel;
 use burnish_material::exchange::model::Context as Scale;
 use egui::{Context, Ui};
 use std::path::PathBuf;
@@ -26,7 +27,7 @@ const SECONDS: f64 = 8.0;
 #[derive(Default)]
 pub(super) struct Exchanging {
     page: ExchangePage,
-    measuring: Background<Option<(Format, Box<Material>, Measured)>>,
+    measuring: Background<Option<(&'static ShadingModel, Box<Material>, Measured)>>,
     saving: Background<(PathBuf, Result<Saved, ExchangeError>)>,
 }
 
@@ -54,8 +55,8 @@ impl App {
     }
 
     fn measure_exchange(&mut self, ctx: &Context) {
-        let (format, document) = (self.exchanging.page.format, &self.editor.document);
-        let (Some(model), Some(stage)) = (format.def().model(), Stage::standard()) else { return };
+        let document = &self.editor.document;
+        let (Some(model), Some(stage)) = (self.exchanging.page.model(), Stage::standard()) else { return };
         let (material, textures) = (document.material.clone(), document.textures.clone());
         let rows = self.exchanging.page.rows().to_vec();
         let drawing =
@@ -67,7 +68,7 @@ impl App {
             let after = Shown { material: &other, textures: &images };
             let tell = &mut |share| control.tell(share);
             let measured = measure(&setup, before, after, &rows, &drawing, tell, &|| control.is_cancelled())?;
-            Some((format, Box::new(material), measured))
+            Some((model, Box::new(material), measured))
         });
     }
 
@@ -89,8 +90,12 @@ impl App {
             let object = model.parts.iter().find(|(role, _)| *role == Role::Object)?;
             Some((object.1.clone(), model.unit_mm / 1000.0))
         });
+        // A name of another format was perhaps chosen.
+        let models = Format::of(&path).map_or(&[][..], |format| format.def().models);
+        let chosen = self.exchanging.page.model();
+        let model = chosen.filter(|chosen| models.iter().any(|model| model.name == chosen.name));
         self.exchanging.saving.start("Exporting the material", ctx, move |control| {
-            let options = SaveOptions { mesh: mesh.as_ref().map(|(mesh, unit)| (&**mesh, *unit)), ..SaveOptions::default() };
+            let options = SaveOptions { mesh: mesh.as_ref().map(|(mesh, unit)| (&**mesh, *unit)), model, is_bare: false };
             let go_on = |share: f32| {
                 control.tell(share);
                 !control.is_cancelled()
@@ -103,7 +108,7 @@ impl App {
     /// Takes what was measured and written. Once per frame.
     pub(super) fn collect_exchange(&mut self) {
         match self.exchanging.measuring.poll() {
-            Some(Ok(Some((format, material, measured)))) => self.exchanging.page.take_measured(format, &material, measured),
+            Some(Ok(Some((model, material, measured)))) => self.exchanging.page.take_measured(model, &material, measured),
             Some(Err(problem)) => self.messages.error(problem),
             Some(Ok(None)) | None => {}
         }

@@ -2,6 +2,7 @@
 //! `burnish_material::exchange`; here they get their paths, folders and images.
 
 pub mod bake;
+mod documents;
 mod error;
 mod import;
 pub mod measure;

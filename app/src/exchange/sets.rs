@@ -1,8 +1,9 @@
 //! Texture sets on disk: a folder of images named after properties, with the native copy of each set beside them.
 
+use super::documents::compute;
 use super::error::{ExchangeError, Fault};
 use super::open::Opened;
-use super::save::{Beside, Source, compute, image_bytes, names_of};
+use super::save::{Beside, Source, image_bytes, names_of};
 use crate::digest::Digest;
 use crate::files::{self, Embedded};
 use crate::texture_set::{SetFiles, match_named, read_sets};

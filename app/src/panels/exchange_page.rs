@@ -3,6 +3,7 @@
 use crate::exchange::measure::Measured;
 use crate::exchange::{FORMATS, Format, rows};
 use crate::theme;
+use burnish_material::exchange::ShadingModel;
 use burnish_material::exchange::loss::{Fate, Row};
 use burnish_material::{Material, Property};
 use egui::{Align, ComboBox, Label, Layout, ProgressBar, RichText, ScrollArea, Ui, vec2};
@@ -23,12 +24,14 @@ pub enum ExchangeAction {
 pub struct ExchangePage {
     /// The format.
     pub format: Format,
+    /// Name of the model that was chosen, where the format has several.
+    model: &'static str,
     /// Whether the mesh goes along, where the format can hold one.
     pub has_mesh: bool,
     /// Whether only what is lost is listed.
     is_short: bool,
     /// What the rows are about.
-    known: Option<(Format, Material)>,
+    known: Option<(Format, &'static str, Material)>,
     rows: Vec<Row>,
     /// What the pictures told, as long as nothing has changed since.
     measured: Option<Measured>,
@@ -36,14 +39,20 @@ pub struct ExchangePage {
 
 impl Default for ExchangePage {
     fn default() -> Self {
-        Self { format: Format::Gltf, has_mesh: true, is_short: true, known: None, rows: Vec::new(), measured: None }
+        Self { format: Format::Gltf, model: "", has_mesh: true, is_short: true, known: None, rows: Vec::new(), measured: None }
     }
 }
 
 impl ExchangePage {
-    /// Takes what pictures of this material in this format told; what has changed since is told anew.
-    pub fn take_measured(&mut self, format: Format, material: &Material, measured: Measured) {
-        if self.known.as_ref().is_some_and(|(known, same)| *known == format && same == material) {
+    /// What the material becomes for other programs; `None` for a format that brings ASM along.
+    pub fn model(&self) -> Option<&'static ShadingModel> {
+        let def = self.format.def();
+        def.models.iter().copied().find(|model| model.name == self.model).or(def.model())
+    }
+
+    /// Takes what pictures of this material in this model told; what has changed since is told anew.
+    pub fn take_measured(&mut self, model: &ShadingModel, material: &Material, measured: Measured) {
+        if self.known.as_ref().is_some_and(|(_, known, same)| *known == model.name && same == material) {
             self.measured = Some(measured);
         }
     }
@@ -54,11 +63,13 @@ impl ExchangePage {
     }
 
     fn update(&mut self, material: &Material) {
-        if self.known.as_ref().is_some_and(|(format, known)| *format == self.format && known == material) {
+        let (model, format) = (self.model(), self.format);
+        let name = model.map_or("", |model| model.name);
+        if self.known.as_ref().is_some_and(|(known, of, same)| (*known, *of) == (format, name) && same == material) {
             return;
         }
-        self.rows = rows(self.format, self.format.def().model(), material);
-        (self.known, self.measured) = (Some((self.format, material.clone())), None);
+        self.rows = rows(format, model, material);
+        (self.known, self.measured) = (Some((format, name, material.clone())), None);
     }
 
     /// Shows the page. `share`: how far measuring is, if it goes on.
@@ -72,6 +83,17 @@ impl ExchangePage {
                 }
             });
             combo.response.accessible_name("Format of the export");
+            if let (Some(model), several @ [_, _, ..]) = (self.model(), self.format.def().models) {
+                let combo = ComboBox::from_id_salt("exchange model").selected_text(model.label).show_ui(ui, |ui| {
+                    for def in several {
+                        let is_chosen = def.name == model.name;
+                        if ui.selectable_label(is_chosen, def.label).clicked() {
+                            self.model = def.name;
+                        }
+                    }
+                });
+                combo.response.accessible_name("Model of the export").on_hover_text("What the material is for other programs");
+            }
             let holds_mesh = matches!(self.format, Format::Gltf | Format::Glb | Format::Usda | Format::Usdz);
             ui.add_enabled(holds_mesh, egui::Checkbox::new(&mut self.has_mesh, "with the mesh"));
             ui.checkbox(&mut self.is_short, "only what changes");
