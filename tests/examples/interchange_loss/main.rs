@@ -13,7 +13,7 @@ use burnish::exchange::measure::{Shown, suspects, with_one, without_native_copy}
 use burnish_material::exchange::loss::{Fate, Row};
 use burnish_material::exchange::model::Context;
 use burnish_material::exchange::models::{
-    dassault, disney_principled, filament, gltf, open_pbr, specular_glossiness, standard_surface, usd_preview,
+    dassault, disney_principled, filament, gltf, gltf_pbr, maps, open_pbr, specular_glossiness, standard_surface, usd_preview,
 };
 use burnish_material::exchange::{MODELS, ShadingModel};
 use burnish_material::{Material, MaterialFile, PROPERTIES};
@@ -30,7 +30,15 @@ use studio::{SIDE, Studio, images, is_entered, samples};
 /// Those of the files that we write, then the others.
 const TURNS: [&[&ShadingModel]; 2] = [
     &[&gltf::MODEL, &open_pbr::MODEL, &usd_preview::MODEL],
-    &[&standard_surface::MODEL, &disney_principled::MODEL, &filament::MODEL, &dassault::MODEL, &specular_glossiness::MODEL],
+    &[
+        &maps::MODEL,
+        &standard_surface::MODEL,
+        &disney_principled::MODEL,
+        &filament::MODEL,
+        &gltf_pbr::MODEL,
+        &dassault::MODEL,
+        &specular_glossiness::MODEL,
+    ],
 ];
 /// How many of the worst are explained, for each model.
 const WORST: usize = 3;
