@@ -292,7 +292,7 @@ fn the_library_becomes_a_sheet_and_a_pack() {
     assert_eq!(page.matches("data:image/jpeg").count(), 5);
     export_pack(&mut window, None);
     until(&mut window, "the refusal", |app| has_said(app, |text| text.contains("outside the library's folder")));
-    export_pack(&mut window, Some("MaterialX (OpenPBR) (.mtlx)"));
+    export_pack(&mut window, Some("MaterialX (.mtlx)"));
     until(&mut window, "the pack", |app| has_said(app, |text| text.contains("materials 5, images 0, files 21")));
     let expected = ["materials/Gold.asm.ron", "LICENCES.md", "losses.json", "usd/Gold.usda", "gltf/Velvet.gltf"];
     assert!(expected.iter().all(|file| pack.join(file).is_file()) && !pack.join("materialx").exists());
