@@ -43,6 +43,14 @@ pub struct OpenedMaterial {
     pub embedded: Arc<Embedded>,
 }
 
+impl OpenedMaterial {
+    /// A material that no file holds yet, and that names no images.
+    pub fn new(file: MaterialFile) -> Self {
+        let (textures, embedded) = Default::default();
+        Self { path: None, import: None, file, warnings: Vec::new(), textures, embedded }
+    }
+}
+
 /// Images by the path that a material names, as whole files.
 pub type Embedded = BTreeMap<String, Arc<[u8]>>;
 
@@ -98,14 +106,8 @@ pub fn open_material(path: &Path) -> Result<OpenedMaterial, FilesError> {
     let mut warnings: Vec<String> = warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
     let (textures, missing) = load_textures(file.material(), path.parent());
     warnings.extend(missing);
-    Ok(OpenedMaterial {
-        path: Some(path.to_path_buf()),
-        import: None,
-        file,
-        warnings,
-        textures: Arc::new(textures),
-        embedded: Arc::default(),
-    })
+    let textures = Arc::new(textures);
+    Ok(OpenedMaterial { path: Some(path.to_path_buf()), warnings, textures, ..OpenedMaterial::new(file) })
 }
 
 /// Opens the material that a picture of ours was made from: a new document without a file, since the picture is not to be saved over. Also
@@ -142,8 +144,5 @@ pub fn open_embedded(path: &Path, job: Option<&PictureJob>) -> Result<(OpenedMat
             Err(error) => warnings.push(format!("{}: the value is used instead of the texture: {error}", path.display())),
         }
     }
-    Ok((
-        OpenedMaterial { path: None, import: None, file, warnings, textures: Arc::new(textures), embedded: Arc::default() },
-        places,
-    ))
+    Ok((OpenedMaterial { warnings, textures: Arc::new(textures), ..OpenedMaterial::new(file) }, places))
 }

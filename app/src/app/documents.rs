@@ -24,16 +24,8 @@ impl App {
     pub fn load_preset(&mut self, preset: &'static Preset, ctx: &Context) {
         match preset.parse() {
             Ok((file, _)) => {
-                let opened = OpenedMaterial {
-                    path: None,
-                    import: None,
-                    file,
-                    warnings: Vec::new(),
-                    textures: Arc::default(),
-                    embedded: Arc::default(),
-                };
                 self.history.settle();
-                self.editor.document = self.editor.document.replaced_by(Document::opened(opened));
+                self.editor.document = self.editor.document.replaced_by(Document::opened(OpenedMaterial::new(file)));
                 self.history.commit(format!("Load preset {}", preset.name), &self.editor.document);
                 let material = self.editor.document.material.clone();
                 if material.slots().any(|(_, slot)| slot.texture.is_some()) {
@@ -47,15 +39,7 @@ impl App {
 
     /// A new material that begins with what a file holds, in a tab of its own.
     pub(super) fn open_new(&mut self, file: MaterialFile) {
-        let opened = OpenedMaterial {
-            path: None,
-            import: None,
-            file,
-            warnings: Vec::new(),
-            textures: Arc::default(),
-            embedded: Arc::default(),
-        };
-        self.open_document(Document::opened(opened));
+        self.open_document(Document::opened(OpenedMaterial::new(file)));
     }
 
     /// A new material in a tab of its own.

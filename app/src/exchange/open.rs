@@ -69,14 +69,8 @@ impl Opened {
             Ok((file, _)) => file,
             Err(_) => MaterialFile::new(&material),
         };
-        OpenedMaterial {
-            path: None,
-            import: None,
-            file,
-            warnings: self.notes,
-            textures: Arc::new(textures),
-            embedded: Arc::new(self.embedded),
-        }
+        let (textures, embedded) = (Arc::new(textures), Arc::new(self.embedded));
+        OpenedMaterial { warnings: self.notes, textures, embedded, ..OpenedMaterial::new(file) }
     }
 
     /// Its images, decoded, and a sentence for each that cannot be read.

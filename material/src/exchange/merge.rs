@@ -10,6 +10,9 @@ use crate::value::Value;
 /// precision.
 const TOLERANCE: f64 = 1e-5;
 
+/// Largest angle between two turns that count as the same, in degrees: single precision is 3e-5 near 360.
+const SAME_TURN: f64 = 1e-4;
+
 /// The material of a file that holds a native copy, and fields that a program may have changed since.
 ///
 /// A property whose parameters say what they said when the file was written has its native value, bit for bit. Where a parameter was
@@ -51,10 +54,12 @@ pub fn is_same(old: &Field, new: &Field) -> bool {
     let same_texture = match (&old.texture, &new.texture) {
         (None, None) => true,
         (Some(a), Some(b)) => {
-            let numbers =
-                |t: &crate::TextureRef| [t.scale.as_slice(), &t.bias, &t.uv_scale, &t.uv_offset, &[t.uv_rotation]].concat();
+            let numbers = |t: &crate::TextureRef| [t.scale.as_slice(), &t.bias, &t.uv_scale, &t.uv_offset].concat();
+            let turn = (a.uv_rotation - b.uv_rotation).rem_euclid(360.0);
             let words = |t: &crate::TextureRef| (t.path.clone(), t.channel, t.is_inverted, t.wrap);
-            words(a) == words(b) && numbers(a).iter().zip(&numbers(b)).all(|(a, b)| is_near(a, b))
+            words(a) == words(b)
+                && turn.min(360.0 - turn) <= SAME_TURN
+                && numbers(a).iter().zip(&numbers(b)).all(|(a, b)| is_near(a, b))
         }
         _ => false,
     };

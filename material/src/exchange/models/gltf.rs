@@ -202,18 +202,18 @@ fn reflection(p: &Gltf, i: &mut Inputs<f64>, notes: &mut Notes) {
     i.specular_ior = at_least("ior", p.ior, 1.0, notes);
     let excess = f::largest(color).max(1.0);
     i.specular_edge_color = color.map(|c| c / excess);
-    // Under a coat less is left of a level here. One that a file does not say is left alone.
     let is_said = p.specular != 1.0 || p.specular_color != [1.0; 3];
-    let share = f::share_under_coat(i.specular_ior, i.coat_ior, i.coat);
-    let level = match is_said {
-        true if share <= NO_REFLECTION => 0.5,
-        true => 0.5 * specular * excess / share,
-        false => 0.5,
-    };
+    let level = if is_said { uncoated_level(0.5 * specular * excess, i) } else { 0.5 };
     if level > 1.0 + 1e-6 {
         notes.push(format!("specularColorFactor: reflects {level} times what a level of 1 does; reduced to that"));
     }
     i.specular_level = level.min(1.0);
+}
+
+/// The level that has this one left under the coat of `i`, which takes nothing away in glTF; 0.5 where the coat leaves nothing.
+pub(super) fn uncoated_level(left: f64, i: &Inputs<f64>) -> f64 {
+    let share = f::share_under_coat(i.specular_ior, i.coat_ior, i.coat);
+    if share <= NO_REFLECTION { 0.5 } else { left / share }
 }
 
 fn sheen(p: &Gltf, i: &mut Inputs<f64>, notes: &mut Notes) {

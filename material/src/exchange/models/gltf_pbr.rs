@@ -24,8 +24,8 @@ crate::shading_fields! {
         normal_scale: Float(1.0), "normal.scale", from [normal_scale], to [normal_scale], uniform;
         occlusion: Float(1.0), "occlusion", from [ambient_occlusion], to [ambient_occlusion], image;
         transmission: Float(0.0), "transmission", from [translucency, scatter], to [translucency, absorption_color, absorption_distance, volume_thickness_scale], image;
-        specular: Float(1.0), "specular", from [specular_level], to [specular_level], image;
-        specular_color: Color([1.0; 3]), "specular_color", from [specular_level, specular_edge_color], to [specular_edge_color, specular_level], image;
+        specular: Float(1.0), "specular", from [specular_level, specular_ior, coat, coat_ior, coat_specular_level], to [specular_level], image;
+        specular_color: Color([1.0; 3]), "specular_color", from [specular_level, specular_edge_color, specular_ior, coat, coat_ior, coat_specular_level], to [specular_edge_color, specular_level], image;
         ior: Float(1.5), "ior", from [specular_ior], to [specular_ior], uniform;
         alpha: Float(1.0), "alpha", from [opacity], to [opacity], image;
         /// 0 opaque, 1 mask, 2 blend.
@@ -115,7 +115,6 @@ pub fn interpret(p: &GltfPbr, notes: &mut Notes) -> Inputs<f64> {
     i.ambient_occlusion = unit("occlusion", p.occlusion, notes);
     let above = f::largest(p.specular_color).max(1.0);
     i.specular_edge_color = p.specular_color.map(|c| unit("specular_color", c / above, notes));
-    i.specular_level = (0.5 * p.specular.max(0.0) * above).min(1.0);
     i.specular_ior = p.ior.max(1.0);
     i.opacity = match p.alpha_mode {
         0.0 => 1.0,
@@ -138,6 +137,9 @@ pub fn interpret(p: &GltfPbr, notes: &mut Notes) -> Inputs<f64> {
     if i.coat > 0.0 {
         i.coat_ior = COAT_IOR;
     }
+    let left = 0.5 * p.specular.max(0.0) * above;
+    let is_said = p.specular != 1.0 || p.specular_color != [1.0; 3];
+    i.specular_level = if is_said { gltf::uncoated_level(left, &i).min(1.0) } else { 0.5 };
     (i.coat_normal, i.coat_normal_scale) = (p.clearcoat_normal, p.clearcoat_normal_scale);
     if f::largest(p.emissive) > 0.0 {
         (i.emission, i.emission_color) = (p.emissive_strength.max(0.0), p.emissive);
